@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import sys
 from functools import partial
 from pathlib import Path
@@ -11,6 +12,7 @@ import pytest
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
+from screwsim.scene.fields import leaves_of
 from screwsim.scene.model_errors import stored_model_errors
 from screwsim.study.datasheet.stages_points import points_sheet
 from screwsim.study.stages import points, read_stages, run_stages
@@ -205,6 +207,10 @@ def test_two_stages_without_a_sweep_are_told_how_to_write_one(plant, capsys):
         ("second.gap", "is not known; there are second.effects.tip_leakage.gap, second.effects.interlobe"),
         ("second.operation.xx", "is not known; known there: speed, tip_speed, ambient_temperature, condensing_temp"),
         ("operation.speed", "starts with none of first., second., intercooler. (write e.g. first.operation.speed)"),
+        ("speed", "starts with none of first., second., intercooler. (write e.g. first.operation.speed)"),
+        ("discharge.pressure", "starts with none of first., second., intercooler. (write e.g. second.operation.disch"),
+        ("pressure_drop", "starts with none of first., second., intercooler. (write e.g. intercooler.pressure_drop)"),
+        ("machine.kind", "starts with none of first., second., intercooler. (write e.g. first.operation.speed)"),
         ("first.operation.discharge.pressure", "belongs to the discharge line, which follows from the other stage"),
         ("second.operation.suction.temperature", "belongs to the suction line, which follows from the other stage"),
         ("second.gas.fluid", "is the same in both stages"),
@@ -219,6 +225,19 @@ def test_an_axis_that_cannot_vary_is_located(plant, axis, words):
         read_stages(plant(sweep={axis: [1, 2]}))
     (line,) = caught.value.lines
     assert f"sweep.{axis}: {words}" in line and "plant.stages.yaml:1:" in line
+
+
+def test_a_path_offered_for_one_without_a_stage_may_vary(plant):
+    chain = read_stages(plant())
+    names = {name.rpartition(".")[2] for scene in chain.by_stage.values() for name in leaves_of(scene)}
+    offered = set()
+    for name in names | {"operation.discharge.pressure", "x", "first speed"}:
+        with pytest.raises(UsageError) as refused:
+            chain.leaf_of(name)
+        offered.add(re.search(r"\(write e\.g\. (.*)\)$", str(refused.value))[1])
+    assert {"first.operation.speed", "second.operation.discharge.pressure"} < offered
+    for path in offered:
+        chain.leaf_of(path)
 
 
 def test_a_run_tells_that_it_leaves_the_sweep_aside(plant, capsys):
