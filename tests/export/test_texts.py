@@ -230,7 +230,7 @@ def test_modelica_takes_two_inputs(table):
     assert modelica.identifier("2-stage") == "Map_2_stage" and modelica.identifier("screw") == "Screw"
     assert modelica.identifier("modelica") == "Map_modelica"  # the library's own name
     assert modelica.identifier("Real") == "Map_Real"  # a type that is there from the start
-    with pytest.raises(UsageError, match=r"has 1 inputs \(speed\)"):
+    with pytest.raises(UsageError, match=r"has 1 input \(speed\), and"):
         modelica.package(replace(table, inputs=table.inputs[:1]), "Screw")
 
 

@@ -47,6 +47,13 @@ def _announce_polynomials(scene: Varied, inputs: Sequence[Input]) -> None:
     _announce_map(scene, inputs)
 
 
+def _announce_package(scene: Varied, inputs: Sequence[Input]) -> None:
+    from screwsim.export.modelica import check_inputs
+
+    check_inputs(inputs)
+    _announce_map(scene, inputs)
+
+
 def _announce_map(scene: Varied, inputs: Sequence[Input]) -> None:
     from screwsim.study.inputs import shown_range
 
@@ -130,7 +137,7 @@ def modelica(
     from screwsim.results.protection import protect_unmarked
 
     protect_unmarked(output, WRITTEN_MARK)
-    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, _announce_map)
+    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, _announce_package)
     name = identifier(output.stem)
     written = [_write_content(output, package(table, name))]
     if name != output.stem:
