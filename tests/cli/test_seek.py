@@ -62,8 +62,8 @@ def test_find_tells_a_value_and_its_width_in_one_unit(folder, monkeypatch, comma
 @pytest.mark.parametrize(
     ("goal", "told"),
     [
-        ("gas_mass_flow=0.3 kg/s", "operation.speed = 1500 rpm (lower border: every size gives more than the goal)"),
-        ("discharge_temperature=90 degC", "operation.speed = 1500 rpm (lower border: every size gives less than the goal)"),
+        ("gas_mass_flow=0.3 kg/s", "= 1500 rpm (lower border: every size gives more than the goal)"),
+        ("discharge_temperature=90 degC", "= 1500 rpm (lower border: every size gives less than the goal)"),
     ],
 )
 def test_find_says_on_which_side_of_a_goal_every_size_of_a_catalogue_is(folder, monkeypatch, command, goal, told):
