@@ -255,6 +255,21 @@ def test_a_sweep_tells_that_it_leaves_model_errors_aside(plant, solved, tmp_path
 
 
 @pytest.mark.parametrize(
+    ("asked", "told"), [({"keep": "cycle"}, ["keep: cycle"]), ({"derivatives": "all"}, ["derivatives: all"]), ({}, [])]
+)
+def test_a_sweep_tells_that_its_points_keep_figures_alone(plant, solved, tmp_path, capsys, asked, told):
+    path = plant()
+    (tmp_path / "high.yaml").write_text(
+        json.dumps(json.loads((tmp_path / "high.yaml").read_text()) | {"output": asked})
+    )
+    for ending, lines in ((".h5", told), (".csv", [])):  # a table has no place for them
+        assert exit_code(["sweep", str(path), "-o", str(tmp_path / f"out{ending}"), "--jobs", "1"]) == 0
+        said = [line for line in capsys.readouterr().err.splitlines() if "output." in line]
+        start = f"{path}: the second scene's output."
+        assert [line.removeprefix(start).partition(" is ignored (points of two")[0] for line in said] == lines
+
+
+@pytest.mark.parametrize(
     ("axis", "remedy"),
     [
         ("second.operation.discharge.pressure", "vary second.operation.condensing_temperature"),
