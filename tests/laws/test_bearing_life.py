@@ -9,7 +9,7 @@ from each_row import each_row
 
 from screwsim import load, simulate
 from screwsim.effects.parts.bearing_life import TYPES, equivalent_load, life_of_set, mean_load, rating_life
-from screwsim.export.loads import loads
+from screwsim.export.loads import document, loads
 from screwsim.figures.engineering import figure_text
 from screwsim.inputs.faults import SceneError
 from screwsim.machine.rotors.loads import bearing_forces
@@ -87,6 +87,20 @@ def test_each_rotor_s_own_distances_and_piston_are_exported():
         name = f"{rotor}_suction_bearing_x"
         assert np.allclose(columns[name], other[name]) == same
         assert np.abs(other[f"{rotor}_thrust_bearing"]).mean() > np.abs(columns[f"{rotor}_thrust_bearing"]).mean()
+
+
+def test_the_exported_document_states_where_the_bearings_of_each_rotor_are(found):
+    scene = with_bearings(BOTH | {"male": MALE | {"suction": RADIAL["suction"] | {"distance": "150 mm"}}})
+    told = document(loads(scene, found))["supports"]
+    length = scene.machine.rotor_length
+    for rotor, before in (("male", 0.15), ("female", AT["suction"])):
+        own = {name: (each["units"], each["value"]) for name, each in told[rotor].items()}
+        assert own["suction_bearing_distance"] == ("m", before) and own["suction_bearing_z"] == ("m", -before)
+        assert own["discharge_bearing_distance"] == ("m", AT["discharge"]) and own["shaft_diameter"] == ("m", SHAFT)
+        assert own["discharge_bearing_z"] == ("m", pytest.approx(length + AT["discharge"], rel=1e-15))
+        assert own["balance_piston_force"] == ("N", 0.0)
+    other = document(loads(scene, found, (0.01, 0.02), (0.0, 0.0)))["supports"]["male"]  # options hold
+    assert other["suction_bearing_z"] == {"units": "m", "value": -0.01}
 
 
 def test_the_export_takes_no_distances_where_the_scene_names_none():
