@@ -153,7 +153,7 @@ def test_a_sweep_of_two_stages_is_a_table(swept, tmp_path):
 def summed(monkeypatch):
     """Replace the solution of a point by one that is immediate: a power of the first speed and ten times the second."""
 
-    def answer(chain, values):
+    def answer(chain, values, warm):
         stage = Result("ok", performance=Figures(shaft_power=1.0))
         power = chain.with_values(values)
         whole = figures_of_both({"shaft_power": power.first.operation.speed + 10.0 * power.second.operation.speed})

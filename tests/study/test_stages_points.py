@@ -4,18 +4,20 @@ import csv
 import json
 import re
 import sys
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import pytest
 
 from screwsim.cli import exit_code
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene.fields import leaves_of
 from screwsim.scene.model_errors import stored_model_errors
 from screwsim.study.datasheet.stages_points import points_sheet
-from screwsim.study.stages import points, read_stages, run_stages
+from screwsim.study.stages import points, read_stages, run_stages, solve
 from screwsim.study.stages.points import KeptPoints, sweep_stages
 from screwsim.study.stages.result import ChainResult, figures_of_both
 
@@ -35,7 +37,7 @@ def solved(monkeypatch):
     """Replace the solution of a point by one that is immediate; return the values asked for."""
     asked = []
 
-    def answer(chain, values):
+    def answer(chain, values, warm):
         asked.append(dict(values))
         power, stage = sum(values.values()), Result("ok", performance=Figures(shaft_power=1.0))
         whole = figures_of_both({"shaft_power": power})
@@ -53,6 +55,22 @@ def test_points_are_those_of_runs_and_one_without_a_pressure_keeps_its_reason(pl
     assert found[0].result.performance.shaft_power == pytest.approx(alone.performance.shaft_power, rel=1e-12)
     assert found[0].result.error.shaft_power == pytest.approx(alone.error.shaft_power, rel=1e-6)
     assert "no intermediate pressure" in found[1].result.message
+
+
+def test_cycles_that_start_from_one_another_spare_work_and_stay_within_the_accuracy(plant, monkeypatch):
+    spent = {"simulate": 0, "simulate_next": 0}
+    for name, asked in ((each, getattr(solve, each)) for each in [*spent]):
+
+        def counted(*given, name=name, solved=asked, **more):
+            result = solved(*given, **more)
+            spent[name] += result.numerics.rhs_evaluations
+            return result
+
+        monkeypatch.setattr(solve, name, counted)
+    chain = replace(read_stages(plant()), sweep={})
+    alone, found = run_stages(chain), run_stages(chain, warm=True)
+    assert worst(relative_errors(found.performance, alone.performance))[1] < chain.accuracy
+    assert 0 < spent["simulate_next"] < 0.7 * spent["simulate"]
 
 
 def test_paths_of_both_stages_vary_together_and_so_does_what_lies_between(plant, solved):
