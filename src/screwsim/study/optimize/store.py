@@ -169,8 +169,8 @@ def _table(record: Record, feasible: np.ndarray, on_front: np.ndarray) -> dict[s
     asked, (_, errors, excess) = record.asked, record.columns()
     (axis,) = axes_of(record)
     tables = list(record.parts.all(len(record)).tables(traces=False))
-    columns = {EVALUATION: Column(axis.values, "1", axis.long_name)}
-    columns |= {each.path: Column(each.values, each.units, each.long_name) for each in axis.joined}
+    columns = {EVALUATION: Column(axis.values.tolist(), "1", axis.long_name)}
+    columns |= {each.path: Column(each.values.tolist(), each.units, each.long_name) for each in axis.joined}
     for name in dict.fromkeys(name for table in tables for name in names_of(table.about)):
         values = np.concatenate([table.column("performance", name) for table in tables])
         columns[name] = Column(_known(values), declared(name).units, declared(name).long_name)
