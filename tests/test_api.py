@@ -16,6 +16,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.results.write import save
+from screwsim.scene import with_values
 from screwsim.scene.write import yaml_text
 from screwsim.study.progress import OverwrittenLine, Progress, for_program
 from screwsim.study.sweep import run_sweep
@@ -109,6 +110,19 @@ def test_changed_values_are_checked_like_set(path, value, says):
     with pytest.raises(screwsim.SceneError) as error:
         screwsim.scene.scene_of(GIVEN).with_({path: value})
     assert error.value.lines[0].startswith(says)
+
+
+def test_values_put_into_a_scene_unchecked_have_the_faults_of_a_file():
+    """110 °C is above the critical temperature of R134a."""
+    scene = screwsim.load(POINT.parents[1] / "r134a" / "point.yaml")
+    path = "operation.condensing_temperature"
+    with pytest.raises(screwsim.SceneError) as checked:
+        scene.with_({path: "110 degC"})
+    with pytest.raises(screwsim.SceneError) as simulated:
+        screwsim.simulate(with_values(scene, {path: 383.15}))
+    (line,) = simulated.value.lines
+    assert line.startswith(f"{path}: 110 degC is not below the critical temperature of R134a, 101.062 degC (lower it")
+    assert checked.value.lines == [f"with_: {path}=110 degC: {line}"]
 
 
 def test_figures_show_their_units_and_meanings(result):

@@ -84,7 +84,12 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
     """
     series = Series()
     for scene in scenes:
-        yield _result(scene, trace, series)
+        yield simulate_next(series, scene, trace)
+
+
+def simulate_next(series: Series, scene: Scene, trace: Trace = True) -> Result:
+    """Return the result of one more scene of a series, as `simulate_many` does."""
+    return _result(scene, trace, series)
 
 
 def _result(scene: Scene, trace: Trace, series: Series | None) -> Result:

@@ -111,6 +111,17 @@ def test_texts_are_written_from_results(command, both, kind, name, monkeypatch):
     assert other.code == 2 and "needs an ending that states its format" in other.err
 
 
+def test_modelica_refuses_another_number_of_inputs_before_it_simulates(command, folder, monkeypatch):
+    monkeypatch.setattr("screwsim.export.source.tabulated_map", None)  # nothing is simulated
+    inputs = [f"operation.{each}" for each in ("speed=2000 rpm..3000 rpm", "suction.pressure=1 bar..2 bar")]
+    for over in (inputs[:1], [*inputs, "operation.discharge.pressure=10 bar..14 bar"]):
+        words = [word for each in over for word in ("--over", each)]
+        answer = command("export", "modelica", "small.yaml", *words, "-o", "x.mo")
+        count = f"{len(over)} input{'s' * (len(over) > 1)} (speed"
+        assert answer.code == 2 and answer.err.startswith(f"the map has {count}")
+        assert "two (name two with --over, or a sweep over two; fmu takes any number)" in answer.err
+
+
 def test_loads_of_a_machine_without_profile_are_its_flows(command, folder):
     answer = command("export", "loads", "small.yaml", "-o", "loads")
     assert answer.code == 0 and "forces and surfaces need rotors with a profile" in answer.err

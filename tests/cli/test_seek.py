@@ -59,6 +59,29 @@ def test_find_tells_a_value_and_its_width_in_one_unit(folder, monkeypatch, comma
     assert "machine.volume.max = 500 cm³ ± 0.0005 cm³" in found.out
 
 
+@pytest.mark.parametrize(
+    ("goal", "told"),
+    [
+        ("gas_mass_flow=0.3 kg/s", "= 1500 rpm (lower border: every size gives more than the goal)"),
+        ("discharge_temperature=90 degC", "= 1500 rpm (lower border: every size gives less than the goal)"),
+    ],
+)
+def test_find_says_on_which_side_of_a_goal_every_size_of_a_catalogue_is(folder, monkeypatch, command, goal, told):
+    """The flow rises with the speed, 0.5 kg/s at 1500 rpm; the temperature falls with it, 85 °C there."""
+
+    def sized(scene):
+        n = scene.operation.speed / RPM
+        figures = Figures(gas_mass_flow=n / 3000.0, discharge_temperature=373.15 - n / 100.0)
+        return Result("ok", performance=figures, error=Figures(dict.fromkeys(figures, 1e-6)))
+
+    module = sys.modules[warm_up.__module__]
+    monkeypatch.setattr(module, "simulate_many", lambda scenes, trace=True: map(sized, scenes))
+    monkeypatch.setattr(module, "warm_up", lambda scene: None)
+    words = ("--vary", "operation.speed", "--catalogue", "1500, 3000 rpm", "--for", goal)
+    found = command("find", "oiled.yaml", *words)
+    assert found.code == 0 and told in found.out
+
+
 def test_find_that_finds_nothing_ends_with_4_and_says_how_far_it_came(sought, command):
     found = command("find", "oiled.yaml", *SPEED, "--for", "gas_mass_flow=2 kg/s", "-o", "found.yaml")
     told = " ".join(found.out.split())

@@ -153,7 +153,7 @@ def test_a_sweep_of_two_stages_is_a_table(swept, tmp_path):
 def summed(monkeypatch):
     """Replace the solution of a point by one that is immediate: a power of the first speed and ten times the second."""
 
-    def answer(chain, values):
+    def answer(chain, values, warm):
         stage = Result("ok", performance=Figures(shaft_power=1.0))
         power = chain.with_values(values)
         whole = figures_of_both({"shaft_power": power.first.operation.speed + 10.0 * power.second.operation.speed})
@@ -246,10 +246,18 @@ def test_polynomials_hold_what_varies_together_with_a_temperature(plant, tmp_pat
         value = np.dot(c, [1, S, D, S * S, S * D, D * D, S**3, D * S * S, S * D * D, D**3])
         assert value == pytest.approx(run[name], rel=1.01 * figures[name]["largest_error"] + 1e-4)
     assert "superheat 4 K … 10 K" in capsys.readouterr().err
-    source = plant(sweep={"zip": [joint], CONDENSING: AXES[CONDENSING]})
-    idf = str(tmp_path / "plant.idf")
-    assert exit_code(["export", "energyplus", source, "-o", idf, "--jobs", "1"]) == 2
-    assert "first.operation.superheat varies together with a temperature" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("path", ["first.operation.superheat", "second.operation.subcooling"])
+def test_a_compressor_of_one_superheat_is_refused_a_second_one_before_it_is_simulated(plant, tmp_path, capsys, path):
+    """EnergyPlus states one superheat and one subcooling of a compressor; the coefficients of EN 12900 none."""
+    temperature = CONDENSING if "second" in path else EVAPORATING
+    other = EVAPORATING if "second" in path else CONDENSING
+    joint = {temperature: AXES[temperature], path: SUPERHEATS[: len(AXES[temperature])]}
+    source = plant(sweep={"zip": [joint], other: AXES[other]})
+    assert exit_code(["export", "energyplus", source, "-o", str(tmp_path / "plant.idf"), "--jobs", "1"]) == 2
+    told = f"{path} varies together with a temperature, but the export takes one value of it (vary it on an axis"
+    assert " ".join(capsys.readouterr().err.split()).startswith(told)
 
 
 @pytest.mark.parametrize(

@@ -102,8 +102,8 @@ def test_a_map_has_the_superheat_that_its_own_axis_gives_it(found):
     compressors = energyplus.energyplus_objects(swept, "screw")["Refrigeration:Compressor"]
     assert [each["rated_superheat"] for each in compressors.values()] == [5.0, 15.0]
     assert [swept.superheat(one) for one in maps] == [5.0, 15.0]
-    within = replace(swept, maps=found.maps, within=frozenset({SUPERHEAT}))
-    with pytest.raises(UsageError, match=r"operation\.superheat varies together with a temperature.*own\)"):
+    within = replace(swept, maps=found.maps, follows=({"path": SUPERHEAT},))
+    with pytest.raises(UsageError, match=r"\.superheat varies together with a temp.*own, or use export en12900\)"):
         energyplus.energyplus_objects(within, "screw")
     with pytest.raises(UsageError, match=r"is for wet gas.*\(use export en12900\)"):
         energyplus.energyplus_objects(replace(found, conditions={QUALITY: 0.95}), "screw")
@@ -230,7 +230,7 @@ def test_modelica_takes_two_inputs(table):
     assert modelica.identifier("2-stage") == "Map_2_stage" and modelica.identifier("screw") == "Screw"
     assert modelica.identifier("modelica") == "Map_modelica"  # the library's own name
     assert modelica.identifier("Real") == "Map_Real"  # a type that is there from the start
-    with pytest.raises(UsageError, match=r"has 1 inputs \(speed\)"):
+    with pytest.raises(UsageError, match=r"has 1 input \(speed\), and"):
         modelica.package(replace(table, inputs=table.inputs[:1]), "Screw")
 
 

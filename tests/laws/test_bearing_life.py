@@ -9,7 +9,7 @@ from each_row import each_row
 
 from screwsim import load, simulate
 from screwsim.effects.parts.bearing_life import TYPES, equivalent_load, life_of_set, mean_load, rating_life
-from screwsim.export.loads import loads
+from screwsim.export.loads import document, loads
 from screwsim.figures.engineering import figure_text
 from screwsim.inputs.faults import SceneError
 from screwsim.machine.rotors.loads import bearing_forces
@@ -87,6 +87,20 @@ def test_each_rotor_s_own_distances_and_piston_are_exported():
         name = f"{rotor}_suction_bearing_x"
         assert np.allclose(columns[name], other[name]) == same
         assert np.abs(other[f"{rotor}_thrust_bearing"]).mean() > np.abs(columns[f"{rotor}_thrust_bearing"]).mean()
+
+
+def test_the_exported_document_states_where_the_bearings_of_each_rotor_are(found):
+    scene = with_bearings(BOTH | {"male": MALE | {"suction": RADIAL["suction"] | {"distance": "150 mm"}}})
+    told = document(loads(scene, found))["supports"]
+    length = scene.machine.rotor_length
+    for rotor, before in (("male", 0.15), ("female", AT["suction"])):
+        own = {name: (each["units"], each["value"]) for name, each in told[rotor].items()}
+        assert own["suction_bearing_distance"] == ("m", before) and own["suction_bearing_z"] == ("m", -before)
+        assert own["discharge_bearing_distance"] == ("m", AT["discharge"]) and own["shaft_diameter"] == ("m", SHAFT)
+        assert own["discharge_bearing_z"] == ("m", pytest.approx(length + AT["discharge"], rel=1e-15))
+        assert own["balance_piston_force"] == ("N", 0.0)
+    other = document(loads(scene, found, (0.01, 0.02), (0.0, 0.0)))["supports"]["male"]  # options hold
+    assert other["suction_bearing_z"] == {"units": "m", "value": -0.01}
 
 
 def test_the_export_takes_no_distances_where_the_scene_names_none():
@@ -176,6 +190,52 @@ def test_the_equivalent_load_changes_branches_without_a_step_at_the_e_of_its_sou
     assert found.tolist() == pytest.approx([1e3, 350.0 + 1140.0, 570.0], rel=1e-14)
 
 
+@each_row(
+    ("name", "Y", "axial", "by_hand"),
+    [
+        ("angular_contact_ball", None, 5.0, 10.0),  # below e = 1.14: F_r
+        ("angular_contact_ball", None, 20.0, 0.35 * 10.0 + 0.57 * 20.0),
+        ("angular_contact_ball_pair", None, 5.0, 10.0 + 0.55 * 5.0),  # below e = 1.14
+        ("angular_contact_ball_pair", None, -11.0, 10.0 + 0.55 * 11.0),
+        ("angular_contact_ball_pair", None, 12.0, 0.57 * 10.0 + 0.93 * 12.0),
+        ("angular_contact_ball_pair", None, 20.0, 0.57 * 10.0 + 0.93 * 20.0),
+        ("tapered_roller", 1.6, 2.0, 10.0),  # below e = 0.6/1.6 = 0.375
+        ("tapered_roller", 1.6, 5.0, 0.4 * 10.0 + 1.6 * 5.0),
+        ("tapered_roller_pair", 2.68, 2.0, 10.0 + 1.8 * 2.0),  # cot α = 4: Y_1 = 0.45 · 4 below e = 1.5/4
+        ("tapered_roller_pair", 2.68, 3.7, 10.0 + 1.8 * 3.7),
+        ("tapered_roller_pair", 2.68, 3.8, 0.67 * 10.0 + 2.68 * 3.8),
+        ("tapered_roller_pair", 2.68, 9.0, 0.67 * 10.0 + 2.68 * 9.0),
+        ("deep_groove_ball", 1.6, 1.0, 10.0),  # below e = 0.44/1.6
+        ("deep_groove_ball", 1.6, 4.0, 0.56 * 10.0 + 1.6 * 4.0),
+    ],
+)
+def test_an_equivalent_load_by_hand_from_the_tables_of_iso_281(name, Y, axial, by_hand):
+    """Of 10 kN radial load and an axial one [kN], single rows and pairs back to back or face to face."""
+    kind = TYPES[name]
+    loads = np.array([10e3]), np.array([1e3 * axial])
+    (found,) = equivalent_load(*loads, kind.radial_factor, Y or kind.axial_factor, kind.at_e)
+    assert found == pytest.approx(1e3 * by_hand, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("angle", "e", "Y_1", "X", "Y"),
+    [
+        (20, 0.57, 1.09, 0.70, 1.63),
+        (25, 0.68, 0.92, 0.67, 1.41),
+        (30, 0.80, 0.78, 0.63, 1.24),
+        (35, 0.95, 0.66, 0.60, 1.07),
+        (40, 1.14, 0.55, 0.57, 0.93),
+        (45, 1.34, 0.47, 0.54, 0.81),
+    ],
+)
+def test_stated_factors_of_a_pair_of_another_angle_give_its_factor_below_e(angle, e, Y_1, X, Y):
+    """ISO 281:2007, table 3, double-row angular contact ball bearings; printed to two digits."""
+    at_e = TYPES["angular_contact_ball_pair"].at_e
+    load = equivalent_load(np.array([1.0]), np.array([0.5 * e]), X, Y, at_e)
+    assert load[0] == pytest.approx(1.0 + 0.5 * e * Y_1, abs=0.005)
+    assert (at_e - X) / Y == pytest.approx(e, rel=0.01)
+
+
 def test_a_set_of_equal_bearings_lives_by_their_slope():
     for count, slope in ((1, 9.0 / 8.0), (4, 10.0 / 9.0), (6, 9.0 / 8.0)):
         assert life_of_set([(7e7, slope)] * count) == pytest.approx(7e7 * count ** (-1.0 / slope), rel=1e-11)
@@ -209,6 +269,21 @@ def test_lives_of_a_machine_follow_from_its_loads(found):
     assert combined.max() > radial.max()  # the thrust counts here
     mean = np.mean(combined ** (10.0 / 3.0)) ** 0.3
     assert p.female_discharge_bearing_equivalent_load == pytest.approx(mean, rel=2e-3)
+
+
+def test_a_pair_carries_the_thrust_below_e_and_holds_it_either_way():
+    """A discharge bearing that carries radial load and thrust, whose piston takes about half of it."""
+    pair = RADIAL["discharge"] | {"type": "angular_contact_ball_pair"}
+    male = {"thrust": "discharge", "suction": RADIAL["suction"], "discharge": pair}
+    bearings = PLAIN | {"male": male | {"balance_piston": {"area": "104 cm^2"}}}
+    result = simulate(with_bearings(bearings))
+    radial, thrust = (result.cycle[f"male_{name}"][:-1] for name in ("discharge_bearing_load", "axial_load"))
+    assert thrust.min() < 0.0 < thrust.max() and not [each for each in result.warnings if "changes sides" in each]
+    size = np.abs(thrust)
+    P = np.where(size <= 1.14 * radial, radial + 0.55 * size, 0.57 * radial + 0.93 * size)
+    assert (size < 1.14 * radial).any()
+    mean = np.mean(P**3) ** (1.0 / 3.0)
+    assert result.performance.male_discharge_bearing_equivalent_load == pytest.approx(mean, rel=4e-3)  # read at degrees
 
 
 def test_a_life_factor_multiplies_the_life(found):

@@ -149,6 +149,24 @@ def test_what_a_correction_foretells_is_what_another_life_shows(of, monkeypatch)
     assert 0.8 * worst(shown)[1] <= worst(foretold)[1] <= ACCURACY
 
 
+def test_where_little_is_delivered_a_second_life_shows_what_a_correction_hides(monkeypatch):
+    """Of a machine that delivers 9 % of its displacement, the oil per gas is off by twice what a correction shows."""
+    gaps = ["effects.tip_leakage.gap=0.0539 mm", "effects.interlobe_leakage.gap=0.0630 mm"]
+    scene = load(CONFIGS / "paper" / "point.yaml", [*gaps, "operation.speed=282 rpm"])
+    problem = problem_of(scene)
+    true = finely(scene, scene.numerics.accuracy / 40.0)
+    assert BARELY_DELIVERS < true.volumetric_efficiency < finer_solutions.LEAST_DELIVERY
+    shown = []
+    for least in (finer_solutions.LEAST_DELIVERY, 0.0):
+        monkeypatch.setattr(finer_solutions, "LEAST_DELIVERY", least)
+        machinery = lease_for(problem)
+        cycle = close(ClosingTask(problem, machinery, problem.criteria))
+        of = evaluate(problem, cycle)
+        shown.append(estimated_errors(of, machinery, problem.criteria, cycle)[0].oil_flow_ratio)
+    off = relative_errors(of.figures, true).oil_flow_ratio
+    assert shown[1] < 0.7 * off < off < shown[0] < 3.0 * off
+
+
 def test_next_to_no_delivery_is_estimated_by_all_chambers_together():
     """Of a machine that delivers 0.3 % of its displacement, lives among its histories repeat what these are off by.
 

@@ -235,6 +235,14 @@ def test_every_figure_has_units_in_which_it_can_be_measured():
     assert UNITS["m3 s-1"]["m^3/h"] * 3600.0 == pytest.approx(1.0, rel=1e-12)
 
 
+@pytest.mark.parametrize("unit", ["kW/(m^3/min)", "kW/(m3/min)", "kW/(m³/min)"])
+def test_a_column_may_spell_a_power_of_a_unit_as_people_do(tmp_path, unit):
+    points = f"name,operation.speed [rpm],specific_power [{unit}],specific_power_uncertainty [{unit}]\n"
+    points += "".join(f"{name},{1000 * (at + 1)},6.5,0.1\n" for at, name in enumerate("abc"))
+    fit = read_fit(write_fit(tmp_path, FIT, points))
+    assert fit.points[0].measured["specific_power"] == pytest.approx((6.5 * 60e3, 6e3), rel=1e-14)
+
+
 GAUGE = """\
 name,operation.discharge.pressure [barg],discharge_pressure [psig],discharge_pressure_uncertainty [psi],\
 discharge_temperature [degF],discharge_temperature_uncertainty [K],oil_line_pressure_loss [bar],\
@@ -265,7 +273,7 @@ def test_pressures_of_gauges_are_over_the_ambient_one_and_units_those_of_scenes(
             "points.csv:1:68: discharge_pressure_uncertainty: unit 'psig' has an offset zero",
         ),
         ("_uncertainty [K]", "_uncertainty [degF]", "unit 'degF' has an offset zero, and this is an uncertainty"),
-        ("loss [bar]", "loss [barg]", "unit 'barg' has an offset zero, and this is a difference (write [Pa])"),
+        ("loss [bar]", "loss [barg]", "unit 'barg' has an offset zero, and this is a difference (write Pa)"),
         ("[psig]", "[pond]", "discharge_pressure: unit 'pond' is not one of its units"),
         ("a,9,130", 'a,9,"130,5"', "discharge_pressure: '130,5' has a decimal comma"),
         ("145,1,", "145,-1,", "points.csv:3:11: discharge_pressure: -1 is out of range"),

@@ -11,6 +11,7 @@ from seek_fakes import RPM, edged, figures_of, leaping, saturating, torn, turnin
 import screwsim
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import loads, with_values
+from screwsim.study.goals import read_figure
 from screwsim.study.scene_files import write_found
 from screwsim.study.seek import find, find_each, question
 from screwsim.template import new_scene, request_of
@@ -187,6 +188,11 @@ def test_no_size_meets_a_goal_of_a_figure_that_the_size_does_nothing_to(flow):
         ([RANGE], ["gas_mas_flow=1 kg/s"], "--for gas_mas_flow: is not known; did you mean 'gas_mass_flow'?"),
         ([RANGE], ["gas_mass_flow=1 kW"], "--for gas_mass_flow=1 kW: gas_mass_flow has no unit 'kW' (write one of kg"),
         ([RANGE], ["gas_mass_flow=1"], "--for gas_mass_flow=1: gas_mass_flow 1 has no unit (write one of kg/s"),
+        (
+            [RANGE],
+            ["specific_power=6 kW/m3/min"],
+            "--for specific_power=6 kW/m3/min: specific_power has no unit 'kW/m3/mi",
+        ),
         ([RANGE], ["gas_mass_flow"], "--for gas_mass_flow: is not FIGURE=VALUE (write e.g. --for 'cooling_capacity="),
         ([RANGE], ["gas ma flow=1 kg/s"], "--for gas ma flow: is not known; did you mean 'gas_mass_flow'?"),
         (
@@ -212,6 +218,24 @@ def test_a_wrong_question_is_refused_in_one_line(vary, goals, message):
         question(scene(), vary, goals)
     assert str(refusal.value).startswith(message)
     assert "\n" not in str(refusal.value)
+
+
+@each_row(
+    ("figure", "stated", "value"),
+    [
+        ("specific_power", "6.5 kW/(m3/min)", 6.5 * 60e3),  # 1 kW/(m³/min) = 1000 W/(1 m³/60 s)
+        ("specific_power", "6.5 kW/(m³/min)", 6.5 * 60e3),
+        ("shaft_power", "100 hp", 100.0 * 550.0 * 0.3048 * 0.45359237 * 9.80665),  # 550 ft lbf/s
+        ("displacement_flow", "700 ft^3/min", 700.0 * 0.3048**3 / 60.0),
+        ("peak_pressure", "100 psi", 100.0 * 0.45359237 * 9.80665 / 0.0254**2),
+        ("discharge_temperature", "194 degF", 363.15),
+        ("discharge_temperature", "90 ℃", 363.15),
+        ("tip_gap", "50 µm", 50e-6),
+        ("trapped_mass", "3 mg", 3e-6),
+    ],
+)
+def test_a_goal_has_any_unit_of_the_dimension_of_its_figure(figure, stated, value):
+    assert read_figure(figure, stated, "--for") == pytest.approx(value, rel=1e-12)
 
 
 @pytest.mark.parametrize("overrides", [[], ["oil_supply.ratio=2", "effects.interlobe_leakage=off"]])

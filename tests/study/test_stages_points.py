@@ -2,18 +2,22 @@
 
 import csv
 import json
+import re
 import sys
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import pytest
 
 from screwsim.cli import exit_code
+from screwsim.figures.errors import relative_errors, worst
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
+from screwsim.scene.fields import leaves_of
 from screwsim.scene.model_errors import stored_model_errors
 from screwsim.study.datasheet.stages_points import points_sheet
-from screwsim.study.stages import points, read_stages, run_stages
+from screwsim.study.stages import points, read_stages, run_stages, solve
 from screwsim.study.stages.points import KeptPoints, sweep_stages
 from screwsim.study.stages.result import ChainResult, figures_of_both
 
@@ -33,7 +37,7 @@ def solved(monkeypatch):
     """Replace the solution of a point by one that is immediate; return the values asked for."""
     asked = []
 
-    def answer(chain, values):
+    def answer(chain, values, warm):
         asked.append(dict(values))
         power, stage = sum(values.values()), Result("ok", performance=Figures(shaft_power=1.0))
         whole = figures_of_both({"shaft_power": power})
@@ -51,6 +55,22 @@ def test_points_are_those_of_runs_and_one_without_a_pressure_keeps_its_reason(pl
     assert found[0].result.performance.shaft_power == pytest.approx(alone.performance.shaft_power, rel=1e-12)
     assert found[0].result.error.shaft_power == pytest.approx(alone.error.shaft_power, rel=1e-6)
     assert "no intermediate pressure" in found[1].result.message
+
+
+def test_cycles_that_start_from_one_another_spare_work_and_stay_within_the_accuracy(plant, monkeypatch):
+    spent = {"simulate": 0, "simulate_next": 0}
+    for name, asked in ((each, getattr(solve, each)) for each in [*spent]):
+
+        def counted(*given, name=name, solved=asked, **more):
+            result = solved(*given, **more)
+            spent[name] += result.numerics.rhs_evaluations
+            return result
+
+        monkeypatch.setattr(solve, name, counted)
+    chain = replace(read_stages(plant()), sweep={})
+    alone, found = run_stages(chain), run_stages(chain, warm=True)
+    assert worst(relative_errors(found.performance, alone.performance))[1] < chain.accuracy
+    assert 0 < spent["simulate_next"] < 0.7 * spent["simulate"]
 
 
 def test_paths_of_both_stages_vary_together_and_so_does_what_lies_between(plant, solved):
@@ -205,6 +225,10 @@ def test_two_stages_without_a_sweep_are_told_how_to_write_one(plant, capsys):
         ("second.gap", "is not known; there are second.effects.tip_leakage.gap, second.effects.interlobe"),
         ("second.operation.xx", "is not known; known there: speed, tip_speed, ambient_temperature, condensing_temp"),
         ("operation.speed", "starts with none of first., second., intercooler. (write e.g. first.operation.speed)"),
+        ("speed", "starts with none of first., second., intercooler. (write e.g. first.operation.speed)"),
+        ("discharge.pressure", "starts with none of first., second., intercooler. (write e.g. second.operation.disch"),
+        ("pressure_drop", "starts with none of first., second., intercooler. (write e.g. intercooler.pressure_drop)"),
+        ("machine.kind", "starts with none of first., second., intercooler. (write e.g. first.operation.speed)"),
         ("first.operation.discharge.pressure", "belongs to the discharge line, which follows from the other stage"),
         ("second.operation.suction.temperature", "belongs to the suction line, which follows from the other stage"),
         ("second.gas.fluid", "is the same in both stages"),
@@ -222,6 +246,19 @@ def test_an_axis_that_cannot_vary_is_located(plant, axis, words):
     assert f"sweep.{axis}: {words}" in line and "plant.stages.yaml:1:" in line
 
 
+def test_a_path_offered_for_one_without_a_stage_may_vary(plant):
+    chain = read_stages(plant())
+    names = {name.rpartition(".")[2] for scene in chain.by_stage.values() for name in leaves_of(scene)}
+    offered = set()
+    for name in names | {"operation.discharge.pressure", "x", "first speed"}:
+        with pytest.raises(UsageError) as refused:
+            chain.leaf_of(name)
+        offered.add(re.search(r"\(write e\.g\. (.*)\)$", str(refused.value))[1])
+    assert {"first.operation.speed", "second.operation.discharge.pressure"} < offered
+    for path in offered:
+        chain.leaf_of(path)
+
+
 def test_a_run_tells_that_it_leaves_the_sweep_aside(plant, capsys):
     path = str(plant())
     assert exit_code(["run", path]) == 0
@@ -234,6 +271,21 @@ def test_a_sweep_tells_that_it_leaves_model_errors_aside(plant, solved, tmp_path
     (tmp_path / "low.yaml").write_text(json.dumps(scene_dict({}) | {"uncertainty": {"model": name}}))
     assert exit_code(["sweep", str(path), "-o", str(tmp_path / "out.csv"), "--jobs", "1"]) == 0
     assert "the first scene's model error is ignored" in " ".join(capsys.readouterr().err.split())
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"), [({"keep": "cycle"}, ["keep: cycle"]), ({"derivatives": "all"}, ["derivatives: all"]), ({}, [])]
+)
+def test_a_sweep_tells_that_its_points_keep_figures_alone(plant, solved, tmp_path, capsys, asked, told):
+    path = plant()
+    (tmp_path / "high.yaml").write_text(
+        json.dumps(json.loads((tmp_path / "high.yaml").read_text()) | {"output": asked})
+    )
+    for ending, lines in ((".h5", told), (".csv", [])):  # a table has no place for them
+        assert exit_code(["sweep", str(path), "-o", str(tmp_path / f"out{ending}"), "--jobs", "1"]) == 0
+        said = [line for line in capsys.readouterr().err.splitlines() if "output." in line]
+        start = f"{path}: the second scene's output."
+        assert [line.removeprefix(start).partition(" is ignored (points of two")[0] for line in said] == lines
 
 
 @pytest.mark.parametrize(

@@ -47,6 +47,20 @@ def _announce_polynomials(scene: Varied, inputs: Sequence[Input]) -> None:
     _announce_map(scene, inputs)
 
 
+def _announce_package(scene: Varied, inputs: Sequence[Input]) -> None:
+    from screwsim.export.modelica import check_inputs
+
+    check_inputs(inputs)
+    _announce_map(scene, inputs)
+
+
+def _announce_compressor(scene: Varied, inputs: Sequence[Input]) -> None:
+    from screwsim.export.polynomials import check_conditions
+
+    check_conditions(scene)
+    _announce_map(scene, inputs)
+
+
 def _announce_map(scene: Varied, inputs: Sequence[Input]) -> None:
     from screwsim.study.inputs import shown_range
 
@@ -130,7 +144,7 @@ def modelica(
     from screwsim.results.protection import protect_unmarked
 
     protect_unmarked(output, WRITTEN_MARK)
-    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, _announce_map)
+    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, _announce_package)
     name = identifier(output.stem)
     written = [_write_content(output, package(table, name))]
     if name != output.stem:
@@ -233,7 +247,7 @@ def energyplus(
     from screwsim.results.protection import protect_other_document
 
     protect_other_document(output, made_for.WRITTEN_MARK, "Version", *made_for.CLASSES)
-    with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
+    with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_compressor) as results:
         found = polynomials(results, [made_for.power_of(results.figures), made_for.CAPACITY])
     objects = made_for.energyplus_objects(found, output.stem)
     text = output.suffix.lower() == ".idf"

@@ -153,6 +153,14 @@ def _report_ignored_model_errors(file: str, chain: StageChain) -> None:
             say(f"{file}: the {name} scene's {told}", err=True)
 
 
+def _report_ignored_output(file: str, chain: StageChain) -> None:
+    for name, scene in chain.by_stage.items():
+        asked = {"keep: cycle": scene.output.keeps_cycle, "derivatives: all": scene.output.keeps_slopes}
+        for word in (word for word, on in asked.items() if on):
+            why = "points of two stages are stored with their figures alone; screwsim run -o stores it of one point"
+            say(f"{file}: the {name} scene's output.{word} is ignored ({why})", err=True)
+
+
 def sweep(
     scene_file: str = SCENE_FILE,
     output: File = option(
@@ -220,6 +228,7 @@ def _sweep_stages(
             f"-o {place}: points of two stages are results, a table, a page or a PDF (write one of {good})"
         )
     if as_results:
+        _report_ignored_output(file, chain)
         options.check_results(place)
         check_place_of_points(place, chain)
     else:

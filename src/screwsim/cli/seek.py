@@ -100,7 +100,9 @@ def optimize(
         "POINTS.csv|NAME", "Weighted operating points: a file, IPLV, ESEER, SEER, SEPR, or …-water.", "--over"
     ),
     print_points: bool = switch("--print-points", "Print the points of --over as editable CSV, and exit."),
-    output: File = option("OUT.h5", "Store all evaluations, so that an interrupted run can resume.", "-o"),
+    output: File = option(
+        "OUT.h5", "Store all evaluations, so that an interrupted run can resume; of two stages also as .csv.", "-o"
+    ),
     best: File = option("BEST.yaml", "Write the best scene (single aim only).", "--best"),
     evaluations: int | None = option("N", "Largest number of evaluations (default: 100 per path).", min=1),
     seed: int = option("N", "Random seed of the search.", min=0, default=1),
@@ -115,11 +117,12 @@ def optimize(
 
     scene = options.loaded_scene_or_stages(scene_file, "optimize", overrides, without)
     if not isinstance(scene, Scene):
-        refused = {"--over": over, "--print-points": print_points, "-o": output}
+        refused = {"--over": over, "--print-points": print_points}
         options.refuse_for_stages(scene_file, "optimize", refused)
     from screwsim.printing.optimize import optimize_document, print_optimize
     from screwsim.study.optimize import question, run_question, spans_of
     from screwsim.study.optimize.points import as_csv, read_points
+    from screwsim.study.optimize.store import TABLE_COLUMNS, TABLE_TITLE
     from screwsim.study.seek import rounded
 
     if print_points and isinstance(scene, Scene):
@@ -131,8 +134,10 @@ def optimize(
     base = options.base_point(scene, scene_file)
     more = {"subject_to": subject_to or (), "over": over, "evaluations": evaluations, "seed": seed}
     asked = question(base, spans, maximize or (), minimize or (), **more)
-    if output is not None:
+    if output is not None and isinstance(scene, Scene):
         options.check_results(output)
+    elif output is not None:
+        options.check_columns(output, TABLE_TITLE, *TABLE_COLUMNS)
     if best is not None:
         if len(asked.aims) > 1:
             remedy = "pick a point of the front: --json lists their values"

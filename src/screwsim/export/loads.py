@@ -16,12 +16,12 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from screwsim.build import build_parts
-from screwsim.export.rotor_loads import Pressures, Spans, loads_of, pressures_of
+from screwsim.export.rotor_loads import Pressures, Spans, Supports, loads_of, pressures_of
 from screwsim.export.rotor_supports import supports_of
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
 from screwsim.machine.profile_law import laid_curves
-from screwsim.machine.rotors.loads import Diameters
+from screwsim.machine.rotors.loads import NAMES, Diameters
 from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.surface import Surface, chamber_angles, surfaces
 from screwsim.model.parts import Parts
@@ -110,13 +110,17 @@ def _through(parts: Parts, line: str, cycle: Mapping[str, Array]) -> Iterator[Ar
 
 @dataclass(frozen=True, eq=False)
 class ExportedLoads:
-    """Results to export: curves over one pitch [rad] by group, spectra by curve, lobe frequency [Hz], and omissions."""
+    """Results to export: curves over one pitch [rad] by group, spectra by curve, lobe frequency [Hz], and omissions.
+
+    `supports`: where what holds each rotor is, its length [m] with it; None without forces.
+    """
 
     title: str
     frequency: float
     curves: Mapping[str, tuple[Array, Mapping[str, Array]]]
     spectra: Mapping[str, Sequence[Harmonic]]
     without: str
+    supports: tuple[Supports, float] | None = None
 
 
 def loads(scene: Scene, result: Result, spans: Spans | None = None, shafts: Diameters | None = None) -> ExportedLoads:
@@ -125,14 +129,15 @@ def loads(scene: Scene, result: Result, spans: Spans | None = None, shafts: Diam
     `spans` and `shafts` [m] are those of `rotor_supports.supports_of`, which takes what is None from the scene.
     """
     frequency = scene.operation.speed / build_parts(scene).geometry.pitch  # [Hz] at which chambers pass
-    curves = {"flows": flows_of(scene, result)}
+    curves, supports = {"flows": flows_of(scene, result)}, None
     if not has_rotors(scene):
         without = "forces and surfaces need rotors with a profile (machine.volume.law: profile), of a compressor"
     else:
         pressures, without = pressures_of(laid_curves(twin_screw(scene.machine)), result), ""
-        curves["forces"] = loads_of(pressures, supports_of(scene, result, spans, shafts))
+        supports = supports_of(scene, result, spans, shafts), pressures.laid.rotors.length
+        curves["forces"] = loads_of(pressures, supports[0])
     spectra = {name: harmonics(values, frequency) for _, columns in curves.values() for name, values in columns.items()}
-    return ExportedLoads(scene.title, frequency, curves, spectra, without)
+    return ExportedLoads(scene.title, frequency, curves, spectra, without, supports)
 
 
 def has_rotors(scene: Scene) -> bool:
@@ -187,6 +192,7 @@ def document(found: ExportedLoads) -> dict[str, Any]:
         "title": found.title,
         "lobe_frequency": found.frequency,
         "left_out": found.without,
+        "supports": {} if found.supports is None else _supports(*found.supports),
         "curves": {
             group: {
                 "angle": angle.tolist(),
@@ -199,6 +205,17 @@ def document(found: ExportedLoads) -> dict[str, Any]:
         },
         "spectra": {name: [row._asdict() for row in rows] for name, rows in found.spectra.items()},
     }
+
+
+def _supports(supports: Supports, length: float) -> dict[str, Any]:
+    """Return what holds each rotor: where its bearings are along z, its shaft, and the force of its piston."""
+    found = {}
+    for name, (before, after), shaft, push in zip(NAMES, *supports, strict=True):
+        own = {"rotor_length": length, "suction_bearing_z": -before, "discharge_bearing_z": length + after}
+        own |= {"suction_bearing_distance": before, "discharge_bearing_distance": after, "shaft_diameter": shaft}
+        lengths = {key: {"units": "m", "value": value} for key, value in own.items()}
+        found[name] = {**lengths, "balance_piston_force": {"units": "N", "value": push}}
+    return found
 
 
 def unit_of(name: str) -> str:

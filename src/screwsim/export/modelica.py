@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -19,12 +20,16 @@ _TABLE = "Modelica.Blocks.Tables.CombiTable2Ds"
 _TAKEN = {"real", "integer", "boolean", "string", "complex", "clock", "modelica", "modelicaservices", "stateselect"}
 
 
+def check_inputs(inputs: Sequence[Input]) -> None:
+    """Raise UsageError unless a map has two inputs."""
+    if len(inputs) != 2:
+        count = f"{len(inputs)} input{'s' * (len(inputs) != 1)} ({', '.join(one.name for one in inputs)})"
+        raise UsageError(f"the map has {count}, and {_TABLE} two (name two with --over, or a sweep over two; fmu takes any number)")
+
+
 def package(table: MapTable, name: str) -> str:
     """Return the text of a package; raise UsageError unless the map has two inputs."""
-    if len(table.inputs) != 2:
-        inputs = ", ".join(one.name for one in table.inputs)
-        what = f"has {len(table.inputs)} inputs ({inputs}), and {_TABLE} two"
-        raise UsageError(f"the map {what} (name two with --over, or a sweep over two; fmu takes any number)")
+    check_inputs(table.inputs)
     words = _quoted(f"{table.title or name}: {WRITTEN_MARK}{_error_in_words(table)}")
     return "\n".join(
         (

@@ -16,7 +16,8 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.results.read import STAGES
 from screwsim.scene import Scene
-from screwsim.scene.operation import QUALITY, SUPERHEAT
+from screwsim.scene.grid import joints_of
+from screwsim.scene.operation import QUALITY, SUBCOOLING, SUPERHEAT
 from screwsim.study.map_points import shown_name
 from screwsim.study.performance_map import (
     FORMULA,
@@ -27,10 +28,17 @@ from screwsim.study.performance_map import (
     temperature_paths,
 )
 from screwsim.study.progress import Progress
-from screwsim.study.varied import Varied, names_of
+from screwsim.study.varied import Varied, names_of, value_at
 
 SATURATION_NODES, OTHER_NODES = 6, 3  # number of values where --over gives ranges
 RATED_TEMPERATURES = {"S": 5.0, "D": 45.0}  # [°C] used where the envelope contains it, else its middle
+
+
+_VARIES_WITHIN = (
+    "{} varies together with a temperature, but the export takes one value of it (vary it on an axis of its own, or "
+    "use export en12900)"
+)
+_WET = "{} is for wet gas, but the export takes a superheat (use export en12900)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,16 +71,27 @@ class Polynomials:
         """
         (path,) = names_of(path, self.two)
         if path in self.within:
-            what = f"{path} varies together with a temperature, but the export takes one value of it"
-            raise UsageError(f"{what} (vary it on an axis of its own)")
+            raise UsageError(_VARIES_WITHIN.format(path))
         return float(one.values.get(path, self.conditions.get(path, 0.0)))
 
     def superheat(self, one: PerformanceMap) -> float:
         """Return the superheat [K] of the suction gas in a map; raise UsageError where that gas is wet."""
         (quality,) = names_of(QUALITY, self.two)
         if quality in {*self.conditions, *one.values, *self.within}:
-            raise UsageError(f"{quality} is for wet gas, but the export takes a superheat (use export en12900)")
+            raise UsageError(_WET.format(quality))
         return self.condition(one, SUPERHEAT)
+
+
+def check_conditions(scene: Varied) -> None:
+    """Raise UsageError where a sweep gives a map no single superheat or subcooling."""
+    two = not isinstance(scene, Scene)
+    (quality,) = names_of(QUALITY, two)
+    if quality in scene.sweep or value_at(scene, quality) is not None:
+        raise UsageError(_WET.format(quality))
+    for joint in joints_of(scene):
+        for path in (*names_of(SUPERHEAT, two), *names_of(SUBCOOLING, two)):
+            if path in joint.paths and set(temperature_paths(two)) & set(joint.paths):
+                raise UsageError(_VARIES_WITHIN.format(path))
 
 
 @contextmanager

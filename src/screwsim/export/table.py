@@ -262,7 +262,7 @@ def temporary_results(scene: Varied, **options: Any) -> Iterator[Results]:
         if isinstance(scene, Scene):
             run_sweep(replace(scene, text=_text(scene)), path, **options)
         else:
-            save_chain(path, scene, sweep_stages(scene, **options), "sweep")
+            save_chain(path, scene, sweep_stages(scene, warm=True, **options), "sweep")
         yield open_results(path)
 
 

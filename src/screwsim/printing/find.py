@@ -14,6 +14,7 @@ from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_value, unit_of_change
 from screwsim.study.seek import VALUE_DIGITS, GoalSeekAnswer, Question
+from screwsim.study.seek.answer import Size
 from screwsim.study.varied import Varied, leaf_of
 
 MOST_NOTES = 4  # most notes printed
@@ -97,7 +98,7 @@ def _print_one(scene: Varied, asked: Question, row: GoalSeekAnswer) -> None:
     """Print one answer, with other figures beside those that were sought."""
     if row.status == "ok":
         for span in asked.spans:
-            say(f"{span.path} = {_value(scene, span.path, row)}")
+            say(f"{span.path} = {_value(scene, asked, span.path, row)}")
         if row.size is not None:
             _print_size(scene, asked, row)
         say()
@@ -121,11 +122,19 @@ def _print_size(scene: Varied, asked: Question, row: GoalSeekAnswer) -> None:
     say(wrapped(f"next size of the catalogue: {shown_value(scene, path, row.size.value)}, {gives} {over}".rstrip()))
 
 
-def _value(scene: Varied, path: str, row: GoalSeekAnswer) -> str:
+def _value(scene: Varied, asked: Question, path: str, row: GoalSeekAnswer) -> str:
     text, width = shown_value(scene, path, row.values[path], VALUE_DIGITS), row.uncertainties.get(path)
-    if row.size is not None and not row.uncertainties:  # all sizes exceed the goal
-        return f"{text} ({row.borders.get(path, 'nearest')}: the goal lies below every size)"
+    if row.size is not None and not row.uncertainties:
+        return f"{text} ({row.borders.get(path, 'nearest')}: {_why_not_met(asked, row.size)})"
     return f"{text} ± {_difference_text(scene, path, width)}" if width is not None else text
+
+
+def _why_not_met(asked: Question, size: Size) -> str:
+    """Return why no value meets the goal, though a size is beyond it: every size is, or the figure leaps over it."""
+    (goal,) = asked.goals
+    if size.value > asked.sizes[0]:
+        return "no value gives the goal itself"
+    return f"every size gives {'more' if size.figure > goal.value else 'less'} than the goal"
 
 
 def _difference_text(scene: Varied, path: str, width: float | None) -> str:

@@ -8,8 +8,8 @@ from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY
 from screwsim.scene.numerals import odd_number, odd_number_text
-from screwsim.scene.units import NUMBER
-from screwsim.study.calibration.data import CELSIUS, UNITS, ZERO
+from screwsim.scene.units import NUMBER, parse_quantity, refused_at, tidy_unit
+from screwsim.study.calibration.data import CELSIUS, UNITS, ZERO, quantity_of
 from screwsim.study.figures import figure_of
 from screwsim.study.varied import Varied
 
@@ -65,8 +65,11 @@ def _split_condition(scene: Varied, text: str, option: str, signs: str, example:
     return figure, match[2], read_figure(figure, match[3], f"{option} {text}")
 
 
-def read_figure(figure: str, text: str, where: str) -> float:
-    """Return the value [SI] of a figure as people write it ('500 kW', '85 %', '90 degC'); raise UsageError."""
+def read_figure(figure: str, text: str, where: str, kind: str = "figure") -> float:
+    """Return the value [SI] of a figure as people write it ('500 kW', '85 %', '90 degC'); raise UsageError.
+
+    Units are those listed for it, and those in which scenes state its dimension; `kind`: figure or uncertainty of one.
+    """
     si = declared(figure).units
     units = {**UNITS.get(si, {si: 1.0}), **MORE_UNITS.get(si, {})}
     match = re.fullmatch(rf"({NUMBER})\s*(.*?)", text.strip())
@@ -76,7 +79,7 @@ def read_figure(figure: str, text: str, where: str) -> float:
         remedy = f"write a number with one of {listed}" if listed else "write a number"
         what = odd_number_text(odd, "") if odd else f"is not a number with a unit ({remedy})"
         raise UsageError(f"{where}: {text!r} {what}")
-    number, unit = float(match[1]), match[2].strip().replace("°C", CELSIUS).replace("³", "^3").replace("µ", "u")
+    number, unit = float(match[1]), tidy_unit(match[2])
     celsius = declared(figure).units == "K"  # a difference of temperatures has no Celsius form
     if unit == CELSIUS and celsius:
         return number + ZERO
@@ -85,8 +88,11 @@ def read_figure(figure: str, text: str, where: str) -> float:
             remedy = f"write {match[1]} %, or {number / 100.0:g}"
             raise UsageError(f"{where}: {figure} {match[1]} is {100.0 * number:g} % ({remedy})")
         return number * units[unit]
+    with refused_at(where):
+        if quantity := quantity_of(figure, kind, unit):
+            return parse_quantity(quantity, f"{match[1]} {unit}")
     offered = [each for each in (*units, *([CELSIUS] if celsius else [])) if each]
-    what = f"has no unit {unit!r}" if unit else f"{match[1]} has no unit"
+    what = f"has no unit {match[2]!r}" if unit else f"{match[1]} has no unit"
     raise UsageError(f"{where}: {figure} {what} (write one of {', '.join(offered) or 'a plain number'})")
 
 

@@ -15,11 +15,11 @@ from screwsim.derivatives.solving import scene_derivatives
 from screwsim.figures import declared
 from screwsim.inputs.arguments import FLAG, TEXTS, as_list, checked_arguments, instance, one_of
 from screwsim.inputs.declare import is_derived
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.derivatives import DIFFERENCES, EXACT, ROUGH, Derivatives
 from screwsim.outputs.display import About, Brief
-from screwsim.scene import Scene, SceneLike, scene_of
+from screwsim.scene import Scene, SceneLike, cross_check, scene_of
 from screwsim.scene.fields import FIXED, Leaf, leaves_of, value_at
 from screwsim.scene.types import FoundWithCycle
 from screwsim.simulate import Trace
@@ -239,11 +239,18 @@ def simulate(scene: SceneLike, trace: Trace = True) -> Result:
 
     The scene is what `load` returns, the path of a file, YAML text, or a dict laid out as the file is. With `trace` the
     result has the cycle over the angle and the ledger, with 'ledger' the ledger alone; without it the ledger is left
-    out where the scene says `numerics.error: none`. `result.derivatives` are computed on first use. Raises UsageError
-    when the scene asks for a fluid that is not available.
+    out where the scene says `numerics.error: none`. `result.derivatives` are computed on first use. Raises `SceneError`
+    for faults of the scene, also of values that a program has put into it, `UsageError` for a fluid that is not
+    available.
     """
     scene = scene_of(scene)
-    result = simulated(scene, trace)
+    try:
+        result = simulated(scene, trace)
+    except UsageError:
+        faults = cross_check(scene)  # of values that were not read from a file
+        if not faults:
+            raise
+        raise SceneError(list(map(str, faults))) from None
     return replace(
         result, derivatives=Derivatives(partial(sensitivities, scene, result=result), result.performance, scene)
     )

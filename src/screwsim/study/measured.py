@@ -21,7 +21,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, leaf_of, with_values
 from screwsim.scene.tolerances import split_coverage
 from screwsim.scene.types import COVERAGE
-from screwsim.scene.units import NUMBER, refused_at
+from screwsim.scene.units import NUMBER, refused_at, tidy_unit
 from screwsim.scene.values import within
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import read_figure, refuse_twice
@@ -165,9 +165,9 @@ def _size(figure: str, number: float, value: str, text: str, where: str) -> floa
     For a figure that is itself stated in percent, as an efficiency, they are percentage points.
     """
     unit, own = unit_behind(text), unit_behind(value)
-    if not unit and own:  # 132 kW ± 2
-        text = f"{text} {'K' if declared(figure).units == 'K' else own}"
-    if unit_behind(text) in ("degC", "°C"):
+    if not unit and own:  # 132 kW ± 2, 90 degC ± 2
+        text = f"{text} {'K' if declared(figure).units == 'K' and tidy_unit(own) == 'degC' else own}"
+    if tidy_unit(unit_behind(text)) in ("degC", "degF"):
         raise UsageError(f"{where}: an uncertainty is a difference (write kelvin, e.g. ± 2 K)")
     if unit == "%" and declared(figure).units == "K":
         raise UsageError(f"{where}: a percentage of a temperature depends on its zero (write kelvin, e.g. ± 2 K)")
@@ -175,7 +175,7 @@ def _size(figure: str, number: float, value: str, text: str, where: str) -> floa
         share = re.fullmatch(rf"({NUMBER})\s*%", text)
         size = 0.01 * float(share[1]) * abs(number) if share else math.nan
     else:
-        size = read_figure(figure, text, where)
+        size = read_figure(figure, text, where, "uncertainty")
     if not 0.0 < size < math.inf:
         raise UsageError(f"{where}: an uncertainty must be above 0 (write e.g. {OPTION} '{EXAMPLE}')")
     return size

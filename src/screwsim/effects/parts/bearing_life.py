@@ -1,8 +1,9 @@
 """Rating life of rolling bearings: equivalent load, basic rating life, life of a set (docs/model.md M482–M484).
 
-Source: ISO 281:2007 (P = X F_r + Y F_a with X, Y of single-row bearings; exponents 3 and 10/3; Weibull slopes 10/9 and
-9/8); the mean of a varying load by linear summation of damage, A. Palmgren, 1924; the set as a series system,
-G. Lundberg, A. Palmgren, 1947. Valid up to half the rating (`MOST_SHARE`), as ISO 281 says.
+Source: ISO 281:2007 (P = X F_r + Y F_a, with X, Y of table 3 for ball bearings and of that for radial roller bearings;
+exponents 3 and 10/3; Weibull slopes 10/9 and 9/8); the mean of a varying load by linear summation of damage,
+A. Palmgren, 1924; the set as a series system, G. Lundberg, A. Palmgren, 1947. Valid up to half the rating
+(`MOST_SHARE`), as ISO 281 says.
 """
 
 import math
@@ -18,29 +19,42 @@ RATED = 1e6 * 2.0 * math.pi  # [rad] that nine of ten bearings turn under the lo
 
 
 class BearingType(NamedTuple):
-    """Exponent p of the life, Weibull slope e, and X, Y where the axial load counts; None: of the maker's table."""
+    """Exponent p of the life, Weibull slope, and X, Y beyond e = F_a/F_r; None: of the maker's table.
+
+    `at_e` is P/F_r at e, where both branches meet: 1 of single rows, more of pairs, which carry F_a below e, too.
+    """
 
     exponent: float
     slope: float
     radial_factor: float | None
     axial_factor: float | None
+    at_e: float = 1.0
+
+    @property
+    def paired(self) -> bool:
+        """Whether it is two rows against each other, which hold a thrust either way."""
+        return self.at_e > 1.0
 
 
 _BALL, _ROLLER = (3.0, 10.0 / 9.0), (10.0 / 3.0, 9.0 / 8.0)
 TYPES = {
     "cylindrical_roller": BearingType(*_ROLLER, None, None),  # carries no thrust
     "tapered_roller": BearingType(*_ROLLER, 0.4, None),  # Y = 0.4 cot α
+    "tapered_roller_pair": BearingType(*_ROLLER, 0.67, None, 1.675),  # 0.67 cot α; 0.45 cot α below e = 1.5 tan α
     "angular_contact_ball": BearingType(*_BALL, 0.35, 0.57),  # α = 40°
+    "angular_contact_ball_pair": BearingType(*_BALL, 0.57, 0.93, (0.93 - 0.57 * 0.55) / (0.93 - 0.55)),  # 0.55 below e
     "deep_groove_ball": BearingType(*_BALL, 0.56, None),  # Y by F_a/C_0
 }
 
 
-def equivalent_load(radial: np.ndarray, axial: np.ndarray, X: float, Y: float) -> np.ndarray:
-    """Return P [N] by angle from radial and axial load [N], F_r where the axial load is small (M482).
+def equivalent_load(radial: np.ndarray, axial: np.ndarray, X: float, Y: float, at_e: float = 1.0) -> np.ndarray:
+    """Return P [N] by angle from radial and axial load [N] (M482): F_r + Y_1 F_a up to e, X F_r + Y F_a beyond it.
 
-    The two branches of ISO 281 meet at F_a/F_r = e = (1 − X)/Y, so the larger one holds.
+    The two branches of ISO 281 meet at F_a/F_r = e, where P is `at_e` F_r, so the larger one holds; Y_1 follows.
     """
-    return np.maximum(radial, X * radial + Y * np.abs(axial))
+    Y_1 = Y * (at_e - 1.0) / (at_e - X) if at_e > 1.0 else 0.0
+    thrust = np.abs(axial)
+    return np.maximum(radial + Y_1 * thrust, X * radial + Y * thrust)
 
 
 def mean_load(load: np.ndarray, exponent: float) -> float:

@@ -40,13 +40,15 @@ def _type(default: str) -> str:
 
 @dataclass(frozen=True)
 class Bearing:
-    """A rolling bearing, or several that share its load as one of their common rating."""
+    """A rolling bearing, or several that share its load as one of their common rating.
+
+    Of a `…_pair`, back to back or face to face, the rating is that of both.
+    """
 
     type: str = _type("cylindrical_roller")
     rating: float | None = optional("force", "C: basic dynamic load rating; without it no life is given")
     axial_factor: float | None = number(
-        "Y, where it carries the thrust (default: of an angular_contact_ball 0.57; of a back-to-back or face-to-face "
-        "pair with its rating beyond e 0.93)",
+        "Y, where it carries the thrust (default: of an angular_contact_ball 0.57, of a pair of them 0.93)",
         None,
         gt=0.0,
         le=10.0,
@@ -69,8 +71,7 @@ class RadialBearing(Bearing):
 
     distance: float = quantity("length", "from the rotor's end face to the middle of the bearing", ge=0.0)
     radial_factor: float | None = number(
-        "X, where it carries the thrust (default: by its type, angular_contact_ball 0.35; of a back-to-back or "
-        "face-to-face pair with its rating beyond e 0.57)",
+        "X, where it carries the thrust (default: by its type, angular_contact_ball 0.35, a pair of them 0.57)",
         None,
         ge=0.0,
         le=1.0,
@@ -207,7 +208,7 @@ def rated(bearings: RotorBearings, load: RotorLoad, speed: float) -> dict[str, R
         if place == load.thrust:
             X = getattr(bearing, "radial_factor", None)
             X, Y = X if X is not None else kind.radial_factor, bearing.axial_factor or kind.axial_factor
-            radial = equivalent_load(radial, axial, X or 0.0, Y or 0.0)
+            radial = equivalent_load(radial, axial, X or 0.0, Y or 0.0, kind.at_e)
         P, life = mean_load(radial, kind.exponent), None
         if bearing.rating is not None and P > 0.0:
             life = rating_life(bearing.rating, P, kind.exponent, speed, bearing.life_factor or 1.0)
@@ -244,7 +245,9 @@ def told(rotor: str, bearings: RotorBearings, load: RotorLoad, each: Mapping[str
             yield f"{what}: above half of its rating ISO 281 does not hold (choose a larger {path}.{place}.rating)"
     piston, left = bearings.balance_piston, float(load.axial.mean())
     least, most = float(load.axial.min()), float(load.axial.max())
-    if least < 0.0 < most:
+    holding = bearings.each.get(bearings.thrust)
+    paired = holding is not None and TYPES[holding.type].paired
+    if least < 0.0 < most and not paired:
         what = f"the axial load of the {rotor} rotor on its bearings changes sides within a turn"
         course = f"from {1e-3 * least:.4g} to {1e-3 * most:.4g} kN towards the suction end"
         smaller = "" if piston is None else f"reduce {path}.balance_piston.area, or "

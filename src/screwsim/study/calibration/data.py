@@ -193,7 +193,7 @@ def units_of(figure: str) -> Mapping[str, float]:
     return UNITS.get(si, {si: 1.0})
 
 
-def _quantity(figure: str, kind: str, unit: str) -> Kind | None:
+def quantity_of(figure: str, kind: str, unit: str) -> Kind | None:
     """Return the dimension of a figure, or of its uncertainty, among those of scenes that know the unit; else None.
 
     Raise `Refused` for an uncertainty in a unit with a zero of its own (barg, degF).
@@ -208,7 +208,7 @@ def _quantity(figure: str, kind: str, unit: str) -> Kind | None:
         return wanted[0]
     if differences and wanted[:1] == differences[:1] and _is_unit_of(absolute[0], unit):
         what = "an uncertainty" if kind == "uncertainty" else "a difference"
-        raise Refused(f"unit {shown(unit)} has an offset zero, and this is {what} (write [{si}])")
+        raise Refused(f"unit {shown(unit)} has an offset zero, and this is {what} (write {si})")
     return None
 
 
@@ -235,10 +235,10 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
     figure = name.removesuffix(UNCERTAINTY_SUFFIX)
     figures = _figures(scene)
     if figure in figures:
-        units, kind = units_of(figure), "figure" if figure == name else "uncertainty"
+        units, kind, unit = units_of(figure), "figure" if figure == name else "uncertainty", tidy_unit(unit)
         if unit in units or (CELSIUS == unit and units is UNITS["K"] and kind == "figure"):
             return _Column(kind, figure, unit)
-        quantity = _quantity(figure, kind, unit)
+        quantity = quantity_of(figure, kind, unit)
         if quantity is None:
             raise Refused(f"unit {shown(unit)} is not one of its units (write [{'], ['.join(u for u in units if u)}])")
         return _Column(kind, figure, unit, quantity=quantity)

@@ -135,10 +135,11 @@ def optimize(
                                   maximize=["isentropic_efficiency", "cooling_capacity"])
         found.values_at(found.front[0]), found.aims[found.front]
 
-    The scene is what `load` returns, the path of a file (also of two stages, without `over` and `output`), YAML text,
-    or a dict laid out as the file is. Paths, aims and limits are written as in `question`. `progress`: True shows a
-    bar or a line on stderr, None a bar in a notebook, False nothing. With `output` all evaluations are kept in an HDF5
-    file, and an interrupted run of the same question repeats none of them (unless `restart`).
+    The scene is what `load` returns, the path of a file (also of two stages, without `over`), YAML text, or a dict
+    laid out as the file is. Paths, aims and limits are written as in `question`. `progress`: True shows a bar or a
+    line on stderr, None a bar in a notebook, False nothing. With `output` all evaluations are kept in an HDF5 file (of
+    two stages a table, .csv or .h5), and an interrupted run of the same question repeats none of them (unless
+    `restart`).
     """
     given = scene_or_stages(scene)
     base = with_text(replace(given, sweep={}, joints=()))

@@ -1,4 +1,7 @@
-"""An optimisation on disk: all its cases in the form of a sweep's results, and the aims over the evaluations."""
+"""An optimisation on disk: all its cases in the form of a sweep's results, and the aims over the evaluations.
+
+That of two stages is a table with a row for each evaluation, with the figures of both stages together.
+"""
 
 import json
 from collections.abc import Iterator
@@ -11,19 +14,24 @@ import numpy as np
 
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import STATUSES, names_of
 from screwsim.results.atomic import has_content
 from screwsim.results.identity import differences, installed_version, unpacked
 from screwsim.results.optimum import EVALUATION, POINT, EvaluationColumns, write_optimum
 from screwsim.results.read import read_attributes
-from screwsim.results.schema import Axis, axis_of, digest, identity_of
+from screwsim.results.schema import Axis, Subject, axis_of, digest, subject_of
 from screwsim.results.write import Draft
-from screwsim.scene import Scene, leaf_of
+from screwsim.scene import Scene
 from screwsim.scene.grid import unit_of
+from screwsim.study.columns import Column, protect_other_columns, write_columns
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record
 from screwsim.study.shards import Parts
+from screwsim.study.stages.store import subject_of_chain
+from screwsim.study.varied import leaf_of
 
 COMMAND_NAME = "optimize"  # in the history of a results file
+TABLE_TITLE, TABLE_COLUMNS = "optimisation", (EVALUATION, "feasible", "front", "status")  # of a table's own
 QUESTION_KEY = "question"  # key in the identity of results
 
 
@@ -50,18 +58,16 @@ def question_text(asked: Question) -> str:
 
 def identity(asked: Question) -> dict[str, str]:
     """Return the identity that tells the results of one optimisation from those of another."""
-    return {**identity_of(_scene(asked)), QUESTION_KEY: question_text(asked), "pymoo": installed_version("pymoo")}
+    return {**_subject(asked).identity, QUESTION_KEY: question_text(asked), "pymoo": installed_version("pymoo")}
 
 
 @contextmanager
 def held_parts(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
     """Hold the parts of an optimisation; raise UsageError where they, or the file, belong to something else."""
-    own = {"scene_sha256": digest(_scene(asked).text), "identity": identity(asked)}
+    own = {"scene_sha256": digest(_subject(asked).text), "identity": identity(asked)}
     parts = Parts(output, own, "optimisation")
     if has_content(output):
-        history = str(read_attributes(output).get("history", ""))  # raises for a file that is not a results file
-        if not history.endswith(f" {COMMAND_NAME}"):
-            raise UsageError(f"{output}: does not hold results of an optimisation (choose another -o, or remove it)")
+        _check_own(output, asked)
         if not restart:
             raise UsageError(f"{output}: already exists (choose another -o, or --restart to replace it)")
     if not restart:
@@ -71,6 +77,16 @@ def held_parts(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
         yield parts
     finally:
         parts.close()
+
+
+def _check_own(output: Path, asked: Question) -> None:
+    """Raise UsageError where a file does not hold results of an optimisation."""
+    if not isinstance(asked.scene, Scene):
+        protect_other_columns(output, TABLE_TITLE, *TABLE_COLUMNS)
+        return
+    history = str(read_attributes(output).get("history", ""))  # raises for a file that is not a results file
+    if not history.endswith(f" {COMMAND_NAME}"):
+        raise UsageError(f"{output}: does not hold results of an optimisation (choose another -o, or remove it)")
 
 
 def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:
@@ -89,12 +105,16 @@ def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:
 
 
 def write(output: Path, record: Record, feasible: np.ndarray, front: np.ndarray) -> None:
-    """Write all cases and the answer to HDF5, and remove the parts."""
+    """Write all cases and the answer to HDF5, those of two stages as a table, and remove the parts."""
     assert record.parts is not None
     asked = record.asked
     aims, errors, excess = record.columns()
     on_front = np.zeros(len(record), np.int8)
     on_front[front] = 1
+    if not isinstance(asked.scene, Scene):
+        write_columns(output, TABLE_TITLE, _table(record, feasible, on_front))
+        record.parts.discard()
+        return
     names = [aim.figure for aim in asked.aims]
     bounds = [f"{bound.figure}_{_SIDE[bound.sign]}" for bound in asked.bounds]
     found = EvaluationColumns(
@@ -109,7 +129,7 @@ def write(output: Path, record: Record, feasible: np.ndarray, front: np.ndarray)
         question_text(asked),
     )
     axes = axes_of(record)
-    with Draft(output, _scene(asked), axes, COMMAND_NAME) as draft:
+    with Draft(output, _subject(asked), axes, COMMAND_NAME) as draft:
         cases = len(record) * len(asked.points.points)
         draft.complete(record.parts.all(cases), beside=partial(write_optimum, found=found))
     record.parts.discard()
@@ -134,12 +154,41 @@ def axes_of(record: Record) -> tuple[Axis, ...]:
 
 
 def _axis(asked: Question, path: str, values: list[Any]) -> Axis:
-    leaf = leaf_of(_scene(asked), path)
+    leaf = leaf_of(asked.scene, path)
     return axis_of(path, values, unit_of(leaf) or "1", leaf.doc)
 
 
-def _scene(asked: Question) -> Scene:
-    """Return the scene of a question whose evaluations are stored; raise UsageError for two stages."""
-    if not isinstance(asked.scene, Scene):
-        raise UsageError("output: evaluations of two stages are not stored (leave it out)")
-    return asked.scene
+def _subject(asked: Question) -> Subject:
+    """Return a scene, or two stages in series, as the subject of the evaluations."""
+    return subject_of(asked.scene) if isinstance(asked.scene, Scene) else subject_of_chain(asked.scene)
+
+
+def _table(record: Record, feasible: np.ndarray, on_front: np.ndarray) -> dict[str, Column]:
+    """Return the columns of all evaluations of one operating point: values, figures, errors of the aims, status."""
+    assert record.parts is not None
+    asked, (_, errors, excess) = record.asked, record.columns()
+    (axis,) = axes_of(record)
+    tables = list(record.parts.all(len(record)).tables(traces=False))
+    columns = {EVALUATION: Column(axis.values.tolist(), "1", axis.long_name)}
+    columns |= {each.path: Column(each.values.tolist(), each.units, each.long_name) for each in axis.joined}
+    for name in dict.fromkeys(name for table in tables for name in names_of(table.about)):
+        values = np.concatenate([table.column("performance", name) for table in tables])
+        columns[name] = Column(_known(values), declared(name).units, declared(name).long_name)
+    for aim, wide in zip(asked.aims, errors.T, strict=True):
+        about = "its estimated numerical error, absolute"
+        columns[f"{aim.figure}_error"] = Column(_known(wide), declared(aim.figure).units, about)
+    for bound, over in zip(asked.bounds, excess.T, strict=True):
+        about = f"by how much {bound.figure} exceeds its bound; negative inside"
+        name = f"{bound.figure}_{_SIDE[bound.sign]}_excess"
+        columns[name] = Column(_known(over), declared(bound.figure).units, about)
+    columns["feasible"] = Column(feasible.astype(int).tolist(), "1", "1: it has results and satisfies all bounds")
+    columns["front"] = Column(on_front.tolist(), "1", "1: feasible, and no other is better in all aims")
+    told = [text.words[number] for table in tables for text in [table.texts["message"]] for number in text.number]
+    status = [STATUSES[code] for table in tables for code in table.status]
+    columns["status"] = Column(status, "", "how the evaluation ended")
+    columns["message"] = Column(told, "", "why it has no results")
+    return columns
+
+
+def _known(values: np.ndarray) -> list[float | None]:
+    return [None if np.isnan(value) else float(value) for value in values]

@@ -5,12 +5,14 @@ What the chain solves for cannot be varied: the discharge line of the first stag
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import UsageError
-from screwsim.scene.fields import Leaf, section_of, unknown_key
+from screwsim.inputs.suggestions import paths_ending_in
+from screwsim.scene.fields import Leaf, leaves_of, section_of, unknown_key
 from screwsim.scene.grid import leaf_of
 from screwsim.scene.operation import line_axis_faults
 from screwsim.scene.units import Refused
@@ -82,7 +84,7 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
     if (path if stage in STAGE_NAMES else name).startswith(COMMON):
         raise Refused("is the same in both stages (vary it by two files, or with --set in both)")
     if stage not in STAGE_NAMES:
-        raise Refused(f"starts with none of first., second., {BETWEEN}. (write e.g. first.{name})")
+        raise Refused(f"starts with none of first., second., {BETWEEN}. (write e.g. {_meant(chain, name)})")
     if path.startswith(SOLVED[stage]):
         line = "discharge line" if stage == STAGE_NAMES[0] else "suction line"
         raise Refused(f"belongs to the {line}, which follows from the other stage (leave it out)")
@@ -94,6 +96,17 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
     except UsageError as error:
         what = str(error).removeprefix(f"{path}: ")
         raise Refused(what.replace("of the scene)", f"of that scene after {stage}.)")) from None
+
+
+def _meant(chain: StageChain, name: str) -> str:
+    """Return an input that may vary and ends in a name without a stage, else the speed of the first stage."""
+    paths = {stage: (name, *paths_ending_in(name, leaves_of(scene))) for stage, scene in chain.by_stage.items()}
+    for part, ends in {BETWEEN: (name,), **paths}.items():
+        for each in (f"{part}.{path}" for path in ends):
+            with suppress(Refused):
+                leaf_in_chain(chain, each)
+                return each
+    return f"{STAGE_NAMES[0]}.operation.speed"
 
 
 def _leaf_between(chain: StageChain, key: str) -> Leaf:

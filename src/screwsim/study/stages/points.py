@@ -33,10 +33,13 @@ STAGE_FIELDS = (*FIELDS, "effects", "states", "balance", "numerics")
 STAGES = "stages"
 
 
-def solved_with(chain: StageChain, values: Mapping[str, Any]) -> ChainResult:
-    """Return the result of both stages with other values [SI] at their paths; a failed one where these do not fit."""
+def solved_with(chain: StageChain, values: Mapping[str, Any], warm: bool = False) -> ChainResult:
+    """Return the result of both stages with other values [SI] at their paths; a failed one where these do not fit.
+
+    `warm` is as in `run_stages`.
+    """
     try:
-        return run_stages(chain.with_values(values))
+        return run_stages(chain.with_values(values), warm)
     except UsageError as error:
         return ChainResult("failed", str(error))
 
@@ -120,10 +123,11 @@ def sweep_stages(
     jobs: int | None = None,
     restart: bool = False,
     progress: Progress | None = None,
+    warm: bool = False,
 ) -> list[ChainPoint]:
     """Return the points of a chain's sweep, the last axis fastest; those that are kept are not solved again.
 
-    Raises UsageError where the kept points belong to something else.
+    `warm` is as in `run_stages`. Raises UsageError where the kept points belong to something else.
     """
     values = [grid.case_values(chain, number) for number in range(grid.case_count(chain))]
     found = {} if kept is None else kept.read(restart)
@@ -138,7 +142,7 @@ def sweep_stages(
 
     base = replace(chain, sweep={}, joints=())
     parallel_map(
-        partial(_solved, base, [values[number] for number in missing]),
+        partial(_solved, base, [values[number] for number in missing], warm),
         len(missing),
         died=_dead_worker,
         jobs=jobs,
@@ -148,8 +152,8 @@ def sweep_stages(
     return [found[number]._replace(values=each) for number, each in enumerate(values)]
 
 
-def _solved(base: StageChain, values: Sequence[Mapping[str, Any]], number: int) -> ChainPoint:
-    found = solved_with(base, values[number])
+def _solved(base: StageChain, values: Sequence[Mapping[str, Any]], warm: bool, number: int) -> ChainPoint:
+    found = solved_with(base, values[number], warm)
     return chain_point(with_uncertainty(base.with_values(values[number]), found), _without_curves)
 
 
