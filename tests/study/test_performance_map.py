@@ -188,7 +188,8 @@ def test_another_axis_chooses_the_map(tmp_path):
 
 
 def test_what_varies_with_a_temperature_is_told_and_cannot_be_chosen(tmp_path, capsys):
-    warm = "  zip: [{operation.evaporating_temperature: %s, operation.superheat: [8 K, 9 K, 10 K, 11 K]}]\n" % AXES[0]
+    zipped = f"operation.evaporating_temperature: {AXES[0]}, operation.superheat: [8 K, 9 K, 10 K, 11 K]"
+    warm = f"  zip: [{{{zipped}}}]\n"
     text = f"base: point.yaml\nsweep:\n  operation.condensing_temperature: {AXES[1]}\n{warm}"
     run_sweep(loads(text, folder=str(CONFIGS)), tmp_path / "map.h5", jobs=1, simulate=nearly)
     results = open_results(tmp_path / "map.h5")
@@ -199,7 +200,7 @@ def test_what_varies_with_a_temperature_is_told_and_cannot_be_chosen(tmp_path, c
     line = "# operation.superheat = 8 K, 9 K, 10 K, 11 K where operation.evaporating_temperature = -15 degC, -5 degC, "
     assert line in en12900_csv(polynomials(results, NO_CAPACITY))
     assert evaluate_map(results, 273.15, 313.15, NO_CAPACITY)
-    with pytest.raises(UsageError, match=r"superheat varies together with a temperature in this sweep \(leave it out\)"):
+    with pytest.raises(UsageError, match=r"superheat varies together with a temperature in this .* \(leave it"):
         evaluate_map(results, 273.15, 313.15, NO_CAPACITY, superheat=20.0)
 
 

@@ -228,7 +228,6 @@ def test_two_stages_without_a_sweep_are_told_how_to_write_one(plant, capsys):
         ("speed", "starts with none of first., second., intercooler. (write e.g. first.operation.speed)"),
         ("discharge.pressure", "starts with none of first., second., intercooler. (write e.g. second.operation.disch"),
         ("pressure_drop", "starts with none of first., second., intercooler. (write e.g. intercooler.pressure_drop)"),
-        ("machine.kind", "starts with none of first., second., intercooler. (write e.g. first.operation.speed)"),
         ("first.operation.discharge.pressure", "belongs to the discharge line, which follows from the other stage"),
         ("second.operation.suction.temperature", "belongs to the suction line, which follows from the other stage"),
         ("second.gas.fluid", "is the same in both stages"),

@@ -86,13 +86,14 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     """Return the coefficients, then the rated points in the envelope, of each map."""
     other = other_convention(found)
     degree = "degF" if ip else "degC"
+    valid = [(found.name(one) or "the map", _corners(one, ip)) for one in found.maps]
     lines = [
         f"# {found.title}: {found.fluid}",
         f"# {document(found)['formula']}",
         f"# S evaporating (dew), D condensing ({found.condensing}) temperature, {degree}",
         *([f"# {other}"] if other else []),
         *(f"# {line}" for line in _condition_lines(found, ip)),
-        *(f"# {found.name(one) or 'the map'}: valid between the corners (S, D) {_corners(one, ip)} {degree}" for one in found.maps),
+        *(f"# {name}: valid between the corners (S, D) {corners} {degree}" for name, corners in valid),
         f"{HEAD_LINE}," + ",".join(COEFFICIENT_NAMES) + ",largest_error,left_out_error",
     ]
     for one in found.maps:

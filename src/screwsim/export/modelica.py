@@ -24,7 +24,8 @@ def check_inputs(inputs: Sequence[Input]) -> None:
     """Raise UsageError unless a map has two inputs."""
     if len(inputs) != 2:
         count = f"{len(inputs)} input{'s' * (len(inputs) != 1)} ({', '.join(one.name for one in inputs)})"
-        raise UsageError(f"the map has {count}, and {_TABLE} two (name two with --over, or a sweep over two; fmu takes any number)")
+        remedy = "name two with --over, or a sweep over two; fmu takes any number"
+        raise UsageError(f"the map has {count}, and {_TABLE} two ({remedy})")
 
 
 def package(table: MapTable, name: str) -> str:

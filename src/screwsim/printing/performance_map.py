@@ -16,7 +16,15 @@ from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, protect_other_columns, write_columns
 from screwsim.study.map_points import MapPoint
-from screwsim.study.performance_map import COEFFICIENT_NAMES, ELECTRICAL, FORMULA, SHAFT, PerformanceMap, conditions, followers
+from screwsim.study.performance_map import (
+    COEFFICIENT_NAMES,
+    ELECTRICAL,
+    FORMULA,
+    SHAFT,
+    PerformanceMap,
+    conditions,
+    followers,
+)
 
 
 def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Any]:
