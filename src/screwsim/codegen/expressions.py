@@ -21,9 +21,17 @@ from screwsim.codegen.kinds import (
 )
 from screwsim.codegen.operations import Operations
 from screwsim.codegen.program import called_name, constant
+from screwsim.numerics.expressions import choice_of
 
 NONE = Value(NOTHING, ())
 EMPTY = {"np.empty": False, "np.zeros": True}
+
+
+def is_condition(node: ast.expr) -> bool:
+    """Tell whether the text of an expression says that its value is a truth."""
+    if isinstance(node, ast.BoolOp):
+        return all(map(is_condition, node.values))
+    return isinstance(node, ast.Compare) or (isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not))
 
 
 class Expressions(Operations):
@@ -49,8 +57,10 @@ class Expressions(Operations):
                 return self.negated(self.truth(operand))
             case ast.UnaryOp(op=op, operand=operand):
                 return self.signed(op, self.expression(operand), node)
-            case ast.BoolOp(op=op, values=values):
-                return self._both(isinstance(op, ast.And), values)
+            case ast.BoolOp(values=values) if all(map(is_condition, values)):
+                return self.truth(node)
+            case ast.BoolOp():
+                return self.expression(choice_of(node))
             case ast.Compare(left=left, ops=ops, comparators=others):
                 return self._compared(left, ops, others, node)
             case ast.IfExp(test=test, body=body, orelse=orelse):
@@ -78,6 +88,8 @@ class Expressions(Operations):
         return self.of_context(of, of.kind.names.index(name))
 
     def truth(self, node: ast.expr) -> Value:
+        if isinstance(node, ast.BoolOp):
+            return self._both(isinstance(node.op, ast.And), node.values)
         value = self.expression(node)
         if value.kind in (TRUTH, TRUTHS):
             return value

@@ -82,7 +82,7 @@ class Forward:
         self.once -= self.whole
         find_active(self.active, self.pairs, by, self.given, held)
         self.tail = ""  # of the names of derivatives
-        self._partials = Partials(name, known, self.active, taken, tangent)
+        self._partials = Partials(name, known, self.active, taken, names, tangent)
         self.uses = self._partials.uses  # kernels that the new statements call, by name
 
     def _slope_name(self, name: str, seed: str) -> str:

@@ -30,7 +30,8 @@ class Partials:
     """Differentiates the expressions of one text by the variables in them.
 
     `active` holds the seeds on which variables depend, `known` the meaning of the text's names, `taken` the names in
-    use; `tangent` makes the kernel of a called kernel's derivatives, and `uses` collects these.
+    use, `local` those that the text sets; `tangent` makes the kernel of a called kernel's derivatives, and `uses`
+    collects these.
     """
 
     def __init__(
@@ -39,9 +40,11 @@ class Partials:
         known: Mapping[str, Any],
         active: Active,
         taken: set[str],
+        local: Collection[str],
         tangent: Callable[[Kernel, tuple[str, ...]], Kernel],
     ) -> None:
         self.name, self.known, self.active, self.taken, self.tangent = name, known, active, taken, tangent
+        self.local = local
         self.uses: dict[str, Any] = {}
         self._count = 0
 
@@ -117,7 +120,10 @@ class Partials:
         self, a: Expression, da: Slopes, b: Expression, db: Slopes, before: list[ast.stmt]
     ) -> tuple[Expression, Slopes]:
         value = self.kept(ast.BinOp(a, ast.Pow(), b), before)
-        by_a = self.kept(read("b * a ** (b - 1.0)", a=a, b=b), before) if da else None
+        slope = "b * a ** (b - 1.0)"
+        if isinstance(b, ast.Name) and b.id in self.local:  # such as the number of an iteration
+            slope += " if b != 0.0 else 0.0"
+        by_a = self.kept(read(slope, a=a, b=b), before) if da else None
         by_b = self.kept(read("v * math.log(a)", a=a, v=value), before) if db else None
         return value, each(lambda name: added(product(da.get(name), by_a), product(db.get(name), by_b)), da, db)
 
