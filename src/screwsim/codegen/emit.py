@@ -37,7 +37,10 @@ def leaves(statements: Sequence[ast.stmt]) -> bool:
 
 
 def _breaks(statements: Sequence[ast.stmt]) -> bool:
-    return any(isinstance(each, ast.Break) for each in nodes(*statements))
+    """Tell whether a break among these statements leaves the loop around them."""
+    branches = [each for each in statements if isinstance(each, ast.If)]
+    inner = any(_breaks([*each.body, *each.orelse]) for each in branches)
+    return inner or any(isinstance(each, ast.Break) for each in statements)
 
 
 class Emitter(Expressions):
@@ -54,6 +57,7 @@ class Emitter(Expressions):
         if len(names) != len(self.given):
             raise self.fail(self.node, f"{name} takes {len(names)} arguments, not {len(self.given)}")
         self.names = names
+        self.own = name.startswith("user_")
         self.assigned = library.program.assigned_in(name)
         self.outliving = library.program.outliving_in(name)
 
@@ -202,6 +206,8 @@ class Emitter(Expressions):
                 self._return(NONE if value is None else self.expression(value), node)
             case ast.Break() | ast.Continue():
                 self.jump(self.loops[-1][isinstance(node, ast.Continue)])
+            case ast.For(orelse=[_, *_]) | ast.While(orelse=[_, *_]):
+                raise self.fail(node, "`else` of a loop is not compiled; test behind the loop whether it was left")
             case _:
                 raise self.fail(node, "this is not compiled")
 

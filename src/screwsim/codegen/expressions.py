@@ -180,7 +180,8 @@ class Expressions(Operations):
             for each in index.elts:
                 value = self._row(value, each, node)
             return value
-        at, kind = self._row_begins(of, self.whole(self.expression(index), node), node)
+        row = self.from_start(self.whole(self.expression(index), node), Value(INTEGER, (of.parts[1],)), node)
+        at, kind = self._row_begins(of, row, node)
         return Value(row_of(kind), (at, *of.parts[2:]))
 
     def _row_begins(self, of: Value, row: Value, node: ast.expr) -> tuple[str, Kind]:
@@ -196,6 +197,8 @@ class Expressions(Operations):
         last = Value(INTEGER, (of.parts[1],))
         last = last if index.upper is None else self.whole(self.expression(index.upper), node)
         at, kind = self._row_begins(of, first, node)
+        if any(end.known is not None and end.known < 0 for end in (first, last)):
+            raise self.fail(node, "this slice is not compiled")
         count = self.operation(ast.Sub(), last, first, node)
         if count.kind != INTEGER:
             raise self.fail(node, "lanes cannot take parts of different length")
@@ -219,6 +222,8 @@ class Expressions(Operations):
         known: Callable[..., Value] | None = self.builtin(name)
         if known is None:
             raise self.fail(node, f"{name} is not compiled")
+        if not self.takes(name, len(values)):
+            raise self.fail(node, f"{name} of {len(values)} numbers is not compiled")
         return known(values, node)
 
     def _kernel(self, name: str, values: Sequence[Value]) -> Value:

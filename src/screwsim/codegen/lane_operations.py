@@ -36,6 +36,7 @@ WRITTEN = {  # kernels of `codegen.lane_math` that replace functions of `math`
     "log": "log_of_lanes",
     "pow": "power_of_lanes",
 }
+ANY_POWER = "power_of_any"  # in a text with kernels of a user's own, whose bases may be below zero
 EACH = tuple(range(LANES))
 POWERS_OF_TWO = tuple(1 << n for n in range(63))
 
@@ -134,7 +135,8 @@ class LaneOperations(Expressions):
     def called(self, function: str, values: Sequence[Value]) -> Value:
         given = [self.as_kind(value, FLOATS) for value in values]
         if function in WRITTEN:
-            return self._kernel(WRITTEN[function], given)
+            own_power = function == "pow" and self.library.program.has_own
+            return self._kernel(ANY_POWER if own_power else WRITTEN[function], given)
         name = OWN.get(function) or ROUNDED.get(function) or function
         if function in VECTORED:
             name = name.replace(".f64", f".v{LANES}f64")
