@@ -25,7 +25,7 @@ from screwsim.codegen.kinds import (
     laned,
 )
 from screwsim.codegen.operations import OF_TWO, OWN, ROUNDED
-from screwsim.codegen.program import constant, float_text
+from screwsim.codegen.program import CannotCompile, constant, float_text
 
 REAL, WHOLE, MASK = FLOATS.parts[0], INTEGERS.parts[0], TRUTHS.parts[0]
 NONE_OF_THEM, ALL_OF_THEM = "zeroinitializer", "splat (i1 true)"
@@ -76,6 +76,11 @@ class LaneOperations(Expressions):
     def laned(self, value: Value) -> Value:
         """Return a value in which every number is a vector of all lanes."""
         return self.as_kind(value, laned(value.kind))
+
+    def of_numbers(self, value: Value, node: ast.AST) -> None:
+        """Fail for an array, of which lanes that take different ways cannot have different ones."""
+        if any(part[0] != "<" for part in laned(value.kind).parts):
+            raise self.fail(node, "lanes cannot choose between arrays")
 
     def floating(self, value: Value) -> Value:
         """Return a value in which every float is a vector of all lanes."""
@@ -168,7 +173,7 @@ class LaneOperations(Expressions):
             one, other = self.laned(one), self.laned(other)
             kind = joined(one.kind, other.kind)
             if kind is None:
-                raise TypeError(f"it is {one.kind} or {other.kind}")
+                raise CannotCompile(f"lanes cannot choose between {one.kind} and {other.kind}")
             one, other = self.as_kind(one, kind), self.as_kind(other, kind)
         return super().chosen(where, one, other)
 

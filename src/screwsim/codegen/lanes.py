@@ -59,6 +59,8 @@ class LaneEmitter(LaneExpressions, Emitter):
 
     def store(self, name: str, value: Value, node: ast.AST) -> None:
         """Assign a value to a variable in the active lanes."""
+        if self.split and self.own:
+            self.of_numbers(value, node)
         super().store(name, self.laned(value) if self.split and self.apart else self.floating(value), node)
 
     remembers = False  # what is stored depends on the lanes that are active
@@ -230,6 +232,8 @@ class LaneEmitter(LaneExpressions, Emitter):
     def _return(self, value: Value, node: ast.Return) -> None:
         value = self.laned(value) if self.split else self.floating(value)
         value = self._returned(value, node)
+        if self.leaves:
+            self.of_numbers(value, node)
         if not self.results or self.again:
             self.results = [self.slot(part) for part in value.kind.parts]
         for part, register, slot in zip(value.kind.parts, value.parts, self.results, strict=True):
