@@ -5,11 +5,13 @@ import random
 import numpy as np
 import pytest
 from lanes_of_text import ALL, HEADER, in_lanes
-from random_kernels import number_of, texts
+from random_kernels import kernel_of, numbers_of, texts
 
 from screwsim.codegen.kinds import LANES
-from screwsim.codegen.modules import Module
+from screwsim.codegen.modules import Module, load, module_name
 from screwsim.codegen.program import CannotCompile
+from screwsim.numerics.derivative import tangent
+from screwsim.numerics.kernel import flatten
 
 TABLES = """
 TABLE = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0])
@@ -276,22 +278,27 @@ def own(body):
     return f"{TABLES}\n{square}def user_m__law(x, y):{called}\n\ndef f(x, y):\n    return user_m__law(x, y)\n"
 
 
-def compare(text, rng, rounds, rel=0.0):
+def checked(text):
+    """Return the module of a text, compiled with checks of every index."""
+    return Module(module_name(text, "statements"), HEADER + text, checks=True)
+
+
+def compare(text, rng, rounds, rel=0.0, name="f", results=1):
     """Compare a function of a text with what Python makes of it, one by one and in lanes, some of them at rest."""
     names = {}
     exec(HEADER + text, names)
-    compiled = Module("statements", HEADER + text, checks=True).f
+    compiled = getattr(checked(text), name)
     for _ in range(rounds):
         x, y = rng.uniform(-2.0, 3.0, (2, LANES))
         x[1], y[2], y[3] = 0.0, 1.0, x[3]
         mask = int(rng.integers(1, ALL + 1))
         pairs = list(zip(x.tolist(), y.tolist(), strict=True))
-        expected = [number_of(names["f"], *pair) for pair in pairs]
-        together = in_lanes(text, x, y, mask=mask)[0]
-        for lane, (pair, number) in enumerate(zip(pairs, expected, strict=True)):
-            if number is not None:
-                assert float(compiled(*pair)) == pytest.approx(number, rel=rel, abs=rel), pair
-                assert not mask >> lane & 1 or together[lane] == pytest.approx(number, rel=rel, abs=rel), pair
+        together = in_lanes(text, x, y, mask=mask, results=results, name=name)
+        for lane, pair in enumerate(pairs):
+            expected = numbers_of(names[name], *pair)
+            if expected is not None:
+                assert numbers_of(compiled, *pair) == pytest.approx(expected, rel=rel, abs=rel), pair
+                assert not mask >> lane & 1 or together[:, lane] == pytest.approx(expected, rel=rel, abs=rel), pair
 
 
 @pytest.mark.parametrize("body", [*COUNTERS.values(), *OTHERS.values()], ids=[*COUNTERS, *OTHERS])
@@ -320,8 +327,54 @@ def test_random_kernels_give_the_bits_of_python(seed):
     compare(texts(random.Random(seed)), np.random.default_rng(seed), 4)
 
 
+ARRAYS = {
+    "a row in a branch": """
+    row = SQUARE[0]
+    if x > y:
+        row = SQUARE[1]
+    return row[2] * x
+""",
+    "a row in a loop": """
+    for i in range(2):
+        row = SQUARE[i]
+        if row[0] > x:
+            break
+    return row[1] * x
+""",
+    "one of two": """
+    row = TABLE if x > y else SQUARE[0]
+    return row[1] * x
+""",
+    "in a tuple": """
+    t = (TABLE, 1)
+    if x > y:
+        t = (SQUARE[1], 2)
+    return t[0][1] * t[1] * x
+""",
+}
+
+
+@pytest.mark.parametrize("body", ARRAYS.values(), ids=ARRAYS)
+def test_lanes_refuse_what_chooses_between_arrays(body):
+    """So that such points are computed one by one, which gives the bits of Python."""
+    names = {}
+    exec(HEADER + own(body), names)
+    compiled = checked(own(body)).f
+    for pair in np.random.default_rng(5).uniform(-2.0, 3.0, (20, 2)).tolist():
+        assert compiled(*pair) == names["f"](*pair)
+    with pytest.raises(CannotCompile, match="user_m__law: lanes cannot choose between arrays"):
+        in_lanes(own(body), np.ones(LANES), np.ones(LANES))
+
+
+@pytest.mark.parametrize("seed", range(0, 12, 2))
+def test_derivatives_of_random_kernels_have_the_bits_of_python(seed):
+    both = tangent(kernel_of(random.Random(seed)), ("x", "y"))
+    text = "\n\n".join(flatten((both,)).values()) + "\n"
+    compare(text, np.random.default_rng(seed), 2, name=both.flat_name, results=3)
+
+
 REFUSED = {
-    "for i in range(3):\n        x += 1.0\n    else:\n        x = 0.0\n    return x": "`else` of a loop is not compiled",
+    "for i in range(3):\n        x += i\n    else:\n        x = 0.0\n    return x": "`else` of a loop is not compiled",
     "while x < 3.0:\n        x += 1.0\n    else:\n        x = 0.0\n    return x": "`else` of a loop is not compiled",
     "return math.log(x, 2.0)": "math.log of 2 numbers is not compiled, in 'math.log(x, 2.0)'",
     "return math.hypot(x, 2.0, 1.0)": "math.hypot of 3 numbers is not compiled",
@@ -334,6 +387,6 @@ REFUSED = {
 def test_what_is_not_compiled_is_refused_alone_and_in_lanes(body):
     text = f"{TABLES}\ndef f(x):\n    {body}\n"
     with pytest.raises(CannotCompile, match=REFUSED[body].replace("(", r"\(").replace(")", r"\)")):
-        Module("statements", HEADER + text).f(1.0)
+        load(HEADER + text, "statements").f(1.0)
     with pytest.raises(CannotCompile, match=REFUSED[body].replace("(", r"\(").replace(")", r"\)")):
         in_lanes(text, np.ones(LANES))

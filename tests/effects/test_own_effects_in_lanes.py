@@ -7,32 +7,42 @@ import pytest
 from scenes import scene_dict
 
 from screwsim.batch import tasks, together
+from screwsim.cycle.guess import lease_for
+from screwsim.cycle.problem import problem_of
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 
-NAME = "own_effects.stepped"
 SPEEDS = range(1500, 3500, 250)  # one point for each lane
+FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature")
 
 
-def scene(speed: int) -> Scene:
+def scenes(name: str) -> list[Scene]:
     base = scene_dict({})
-    return loads(
-        json.dumps(
-            {
-                **base,
-                "operation": {**base["operation"], "speed": f"{speed} rpm"},
-                "effects": {**base["effects"], NAME: {}},
-            }
-        )
-    )
+    changed = {**base, "effects": {**base["effects"], f"own_effects.{name}": {}}}
+    speeds = ({**base["operation"], "speed": f"{speed} rpm"} for speed in SPEEDS)
+    return [loads(json.dumps({**changed, "operation": operation})) for operation in speeds]
+
+
+def in_lanes(scene: Scene) -> bool:
+    return tasks._lanes[lease_for(problem_of(scene)).module.__name__] is not None
 
 
 def test_a_loop_that_lanes_leave_at_different_turns_gives_each_its_own_number():
-    scenes = [scene(speed) for speed in SPEEDS]
-    alone = [simulate(each, trace=False) for each in scenes]
-    many = together([partial(simulate, each, False) for each in scenes])
-    assert tasks._lanes[next(reversed(tasks._lanes))] is not None  # they ran in lanes
+    points = scenes("stepped")
+    alone = [simulate(each, trace=False) for each in points]
+    many = together([partial(simulate, each, False) for each in points])
+    assert in_lanes(points[0])
     for one, other in zip(alone, many, strict=True):
         assert one.status == other.status == "ok"
-        for name in ("gas_mass_flow", "shaft_power", "discharge_temperature"):
+        for name in FIGURES:
             assert other.performance[name] == pytest.approx(one.performance[name], rel=1e-9)  # rounding
+
+
+def test_points_whose_kernels_lanes_refuse_are_those_of_points_alone():
+    points = scenes("picked")
+    alone = [simulate(each, trace=False) for each in points]
+    many = together([partial(simulate, each, False) for each in points])
+    assert not in_lanes(points[0])
+    for one, other in zip(alone, many, strict=True):
+        assert one.status == other.status == "ok"
+        assert [one.performance[name] for name in FIGURES] == [other.performance[name] for name in FIGURES]

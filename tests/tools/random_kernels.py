@@ -1,13 +1,17 @@
 """Random texts of kernels: statements of all kinds that compiled text may hold, in loops that end.
 
-A text is a function `f(x, y)` and two that it calls: `g` returns a number, `h` a pair. Counters `i`, `j`, `k` are always
-whole; other variables may be numbers of both kinds, counters of loops, and loops' values. There are no powers, exponentials
-or logarithms, whose last bits are not those of Python.
+A text is a function `f(x, y)` and two that it calls: `g` returns a number, `h` a pair. Counters `i`, `j`, `k` are
+always whole; other variables may be numbers of both kinds, counters of loops, and values that a loop goes over. There
+are no powers, exponentials or logarithms, whose last bits are not those of Python.
 """
 
 import random
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+
+from screwsim.numerics.kernel import Kernel, written
 
 NUMBERS = [0.5, -1.25, 2.0, 0.75, -0.3, 1.1, 3.0]
 COUNTERS = ("i", "j", "k")
@@ -17,18 +21,14 @@ RANGES = ("3", "4", "2, 6", "5, 0, -1", "0")
 LARGEST = 1e12  # numbers beyond are not compared
 
 
-def number_of(function, *arguments):
-    """Return the number that Python makes of a function's text; None where that is none, or large."""
+def numbers_of(function: Callable[..., Any], *arguments: float) -> tuple[float, ...] | None:
+    """Return the numbers that a function returns; None where there are none, or large ones."""
     try:
         found = function(*arguments)
     except (ZeroDivisionError, OverflowError, ValueError):
         return None
-    return found if not isinstance(found, complex) and abs(found) < LARGEST else None
-
-
-def table() -> np.ndarray:
-    """Return the numbers that the texts call TABLE."""
-    return np.array(NUMBERS)
+    numbers = found if isinstance(found, tuple) else (found,)
+    return numbers if all(not isinstance(each, complex) and abs(each) < LARGEST for each in numbers) else None
 
 
 def texts(draw: random.Random) -> str:
@@ -43,6 +43,16 @@ def each_text(draw: random.Random) -> dict[str, str]:
         "h": _Function(draw, False, 8).text("h", pair=True),
         "f": _Function(draw, True, 30).text("f"),
     }
+
+
+def kernel_of(draw: random.Random) -> Kernel:
+    """Return the kernel `f`."""
+    uses: dict[str, Any] = {"TABLE": np.array(NUMBERS)}
+    for name, text in each_text(draw).items():
+        uses[name] = written(
+            text, "random", {key: each for key, each in uses.items() if f"{key}(" in text or key == "TABLE"}
+        )
+    return uses["f"]
 
 
 class _Function:

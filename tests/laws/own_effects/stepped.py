@@ -1,7 +1,7 @@
 """A hole in the housing that widens in steps: its area is looked up by a loop that ends at a chamber's angle.
 
-What: nozzle flow (M12, M13, M100) to the suction line through an area that is linear between the entries of a table; the
-loop leaves at the interval, whose number is read behind it.
+What: nozzle flow (M12, M13, M100) to the suction line through an area that is linear between the entries of a table;
+the loop ends at the interval, whose number is read behind it.
 Source: an example; no measurement behind it.
 Assumptions: quasi-steady nozzle.
 Parameters: opens, closes, area.
