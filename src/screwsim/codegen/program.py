@@ -81,10 +81,12 @@ class Program:
 
 def _outliving(function: ast.FunctionDef) -> set[str]:
     every = nodes(function)
-    loops = [node for node in every if isinstance(node, ast.For) and isinstance(node.target, ast.Name)]
+    loops: dict[str, list[ast.For]] = {}
+    for node in every:
+        if isinstance(node, ast.For) and isinstance(node.target, ast.Name):
+            loops.setdefault(node.target.id, []).append(node)
     found = set[str]()
-    for name in {loop.target.id for loop in loops}:
-        own = [loop for loop in loops if loop.target.id == name]
+    for name, own in loops.items():
         inside = {id(node) for loop in own for node in nodes(*loop.body)}
         nested = any(id(loop) in inside for loop in own)
         if nested or any(_reads(node, name) and id(node) not in inside for node in every):

@@ -222,7 +222,7 @@ class Partials:
         return _returned(node, self.known)
 
 
-def _returned(node: Expression, known: Mapping[str, Any]) -> int:
+def _returned(node: Expression | None, known: Mapping[str, Any]) -> int:
     called = known.get(node.func.id) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else None
     if not isinstance(called, Kernel):
         return 1
