@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from each_row import each_row
+from lanes_of_text import ALL, HEADER, in_lanes
 
 from screwsim.codegen import lane_math, lane_rows
 from screwsim.codegen.kinds import FLOATS, INTEGERS, LANES, Kind
@@ -13,18 +14,7 @@ from screwsim.codegen.program import CannotCompile
 from screwsim.numerics import history
 from screwsim.numerics.kernel import flatten
 
-HEADER = "import math\nimport numpy as np\n"
-ALL = (1 << LANES) - 1
 RNG = np.random.default_rng(7)
-
-
-def in_lanes(text, *rows, mask=ALL, results=1, name="f"):
-    """Return what a function of a text gives for rows of numbers, one of each lane."""
-    entry = load(HEADER + text, "lanes").of_lanes(name, (FLOATS,) * len(rows))
-    words = np.concatenate([np.array([mask], np.int64).view(float), *(np.asarray(row, float) for row in rows)])
-    out = np.full(results * LANES, -1.0)
-    entry(words.ctypes.data, out.ctypes.data)
-    return out.reshape(results, LANES)
 
 
 def plain(text, name="f"):

@@ -13,9 +13,8 @@ from screwsim.codegen import lane_math
 from screwsim.codegen.emit import Emitter
 from screwsim.codegen.kinds import FLOAT, Kind, Value, words_of
 from screwsim.codegen.lane_math import log_of_lanes
-from screwsim.codegen.lane_operations import VECTORED, WRITTEN
+from screwsim.codegen.lane_operations import ANY_POWER, VECTORED, WRITTEN
 from screwsim.codegen.library import Library
-from screwsim.codegen.operations import OF_TWO
 from screwsim.codegen.program import Program, read
 from screwsim.numerics.kernel import Kernel, kernel
 
@@ -111,8 +110,9 @@ class DeviceEmitter(Emitter):
     def called(self, function: str, values: Sequence[Value]) -> Value:
         if function not in HELD:
             return super().called(function, values)
-        assert len(values) == (2 if function in OF_TWO else 1)
-        return self._kernel(HELD[function], [self.as_kind(value, FLOAT) for value in values])
+        own_power = function == "pow" and self.library.program.has_own
+        name = ANY_POWER if own_power else HELD[function]
+        return self._kernel(name, [self.as_kind(value, FLOAT) for value in values])
 
 
 class DeviceLibrary(Library):

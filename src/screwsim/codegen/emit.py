@@ -7,7 +7,7 @@ place and a float in another is a float: the function is written again until no 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from screwsim.codegen.expressions import NONE, Expressions
@@ -37,7 +37,10 @@ def leaves(statements: Sequence[ast.stmt]) -> bool:
 
 
 def _breaks(statements: Sequence[ast.stmt]) -> bool:
-    return any(isinstance(each, ast.Break) for each in nodes(*statements))
+    """Tell whether a break among these statements leaves the loop around them."""
+    branches = [each for each in statements if isinstance(each, ast.If)]
+    inner = any(_breaks([*each.body, *each.orelse]) for each in branches)
+    return inner or any(isinstance(each, ast.Break) for each in statements)
 
 
 class Emitter(Expressions):
@@ -54,7 +57,9 @@ class Emitter(Expressions):
         if len(names) != len(self.given):
             raise self.fail(self.node, f"{name} takes {len(names)} arguments, not {len(self.given)}")
         self.names = names
+        self.own = name.startswith("user_")
         self.assigned = library.program.assigned_in(name)
+        self.outliving = library.program.outliving_in(name)
 
     def fail(self, node: ast.AST, what: str) -> CannotCompile:
         line = ast.unparse(node).splitlines()[0]
@@ -201,6 +206,8 @@ class Emitter(Expressions):
                 self._return(NONE if value is None else self.expression(value), node)
             case ast.Break() | ast.Continue():
                 self.jump(self.loops[-1][isinstance(node, ast.Continue)])
+            case ast.For(orelse=[_, *_]) | ast.While(orelse=[_, *_]):
+                raise self.fail(node, "`else` of a loop is not compiled; test behind the loop whether it was left")
             case _:
                 raise self.fail(node, "this is not compiled")
 
@@ -284,15 +291,18 @@ class Emitter(Expressions):
         self.start(after)
 
     def store_counter(self, name: str, value: Value, node: ast.For) -> None:
-        """Assign the number of an iteration to the variable of a loop."""
+        """Assign the number of an iteration to the variable of a loop, which may run never."""
+        within = name in self.outliving
+        self.depth += within
         self.store(name, value, node)
+        self.depth -= within
 
     def _for_each(self, target: ast.expr, elements: Sequence[ast.expr], node: ast.For) -> None:
-        after = self.labels("after")[0]
-        for each in elements:
+        after, values = self.labels("after")[0], self._elements(elements, node)
+        for _ in elements:
             following = self.labels("next")[0]
             self.depth += 1
-            self.assign(target, self.expression(each))
+            self.assign(target, next(values))
             self.loops.append((after, following))
             self.inside(node.body)
             self.depth -= 1
@@ -301,6 +311,18 @@ class Emitter(Expressions):
             self.start(following)
         self.jump(after)
         self.start(after)
+
+    def _elements(self, elements: Sequence[ast.expr], node: ast.For) -> Iterator[Value]:
+        """Yield the values that a loop goes over, each written where it is used.
+
+        Where the loop sets what they read, all are written before its first iteration.
+        """
+        places = [each for each in nodes(node.target, *node.body) if isinstance(getattr(each, "ctx", None), ast.Store)]
+        roots = [each.value if isinstance(each, ast.Subscript) else each for each in places]
+        changed = {each.id for each in roots if isinstance(each, ast.Name)}
+        values = (self.expression(each) for each in elements)
+        reads_them = any(isinstance(each, ast.Name) and each.id in changed for each in nodes(*elements))
+        yield from list(values) if reads_them else values
 
     def _while(self, test: ast.expr, body: Sequence[ast.stmt]) -> None:
         head, inside, after = self.labels("head", "inside", "after")

@@ -21,9 +21,17 @@ from screwsim.codegen.kinds import (
 )
 from screwsim.codegen.operations import Operations
 from screwsim.codegen.program import called_name, constant
+from screwsim.numerics.expressions import choice_of
 
 NONE = Value(NOTHING, ())
 EMPTY = {"np.empty": False, "np.zeros": True}
+
+
+def is_condition(node: ast.expr) -> bool:
+    """Tell whether the text of an expression says that its value is a truth."""
+    if isinstance(node, ast.BoolOp):
+        return all(map(is_condition, node.values))
+    return isinstance(node, ast.Compare) or (isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not))
 
 
 class Expressions(Operations):
@@ -49,8 +57,10 @@ class Expressions(Operations):
                 return self.negated(self.truth(operand))
             case ast.UnaryOp(op=op, operand=operand):
                 return self.signed(op, self.expression(operand), node)
-            case ast.BoolOp(op=op, values=values):
-                return self._both(isinstance(op, ast.And), values)
+            case ast.BoolOp(values=values) if all(map(is_condition, values)):
+                return self.truth(node)
+            case ast.BoolOp():
+                return self.expression(choice_of(node))
             case ast.Compare(left=left, ops=ops, comparators=others):
                 return self._compared(left, ops, others, node)
             case ast.IfExp(test=test, body=body, orelse=orelse):
@@ -78,6 +88,8 @@ class Expressions(Operations):
         return self.of_context(of, of.kind.names.index(name))
 
     def truth(self, node: ast.expr) -> Value:
+        if isinstance(node, ast.BoolOp):
+            return self._both(isinstance(node.op, ast.And), node.values)
         value = self.expression(node)
         if value.kind in (TRUTH, TRUTHS):
             return value
@@ -168,7 +180,8 @@ class Expressions(Operations):
             for each in index.elts:
                 value = self._row(value, each, node)
             return value
-        at, kind = self._row_begins(of, self.whole(self.expression(index), node), node)
+        row = self.from_start(self.whole(self.expression(index), node), Value(INTEGER, (of.parts[1],)), node)
+        at, kind = self._row_begins(of, row, node)
         return Value(row_of(kind), (at, *of.parts[2:]))
 
     def _row_begins(self, of: Value, row: Value, node: ast.expr) -> tuple[str, Kind]:
@@ -184,6 +197,8 @@ class Expressions(Operations):
         last = Value(INTEGER, (of.parts[1],))
         last = last if index.upper is None else self.whole(self.expression(index.upper), node)
         at, kind = self._row_begins(of, first, node)
+        if any(end.known is not None and end.known < 0 for end in (first, last)):
+            raise self.fail(node, "this slice is not compiled")
         count = self.operation(ast.Sub(), last, first, node)
         if count.kind != INTEGER:
             raise self.fail(node, "lanes cannot take parts of different length")
@@ -207,6 +222,8 @@ class Expressions(Operations):
         known: Callable[..., Value] | None = self.builtin(name)
         if known is None:
             raise self.fail(node, f"{name} is not compiled")
+        if not self.takes(name, len(values)):
+            raise self.fail(node, f"{name} of {len(values)} numbers is not compiled")
         return known(values, node)
 
     def _kernel(self, name: str, values: Sequence[Value]) -> Value:

@@ -77,4 +77,6 @@ class LaneExpressions(LaneOperations):
         self.set_mask(before)
         if decided.kind == TRUTH and one.kind == other.kind and one.kind in OF_LANES and one.kind != FLOAT:
             return self.chosen(decided, one, other)
+        for each in (one, other):
+            self.of_numbers(each, node)
         return self.chosen(Value(TRUTHS, (where,)), one, other)

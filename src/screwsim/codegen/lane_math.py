@@ -111,7 +111,17 @@ def power_of_lanes(x, y):
     return exp_of_lanes(y * log_of_lanes(x))
 
 
-KERNELS: tuple[Kernel, ...] = (less_one, exp_of_lanes, expm1_of_lanes, log_of_lanes, power_of_lanes)
+@kernel
+def power_of_any(x, y):
+    """Return x^y as the C library does for |y| < 2^51: 1 for y = 0, and for x < 0 a number where y is whole."""
+    found = power_of_lanes(abs(x), y)
+    whole, half = (y + SHIFTED) - SHIFTED, (0.5 * y + SHIFTED) - SHIFTED
+    signed = (found if half == 0.5 * y else -found) if whole == y else math.nan
+    found = signed if x < 0.0 else found
+    return 1.0 if y == 0.0 else found
+
+
+KERNELS: tuple[Kernel, ...] = (less_one, exp_of_lanes, expm1_of_lanes, log_of_lanes, power_of_lanes, power_of_any)
 
 
 def texts(*more: Kernel) -> str:

@@ -25,7 +25,7 @@ from screwsim.codegen.kinds import (
     laned,
 )
 from screwsim.codegen.operations import OF_TWO, OWN, ROUNDED
-from screwsim.codegen.program import constant, float_text
+from screwsim.codegen.program import CannotCompile, constant, float_text
 
 REAL, WHOLE, MASK = FLOATS.parts[0], INTEGERS.parts[0], TRUTHS.parts[0]
 NONE_OF_THEM, ALL_OF_THEM = "zeroinitializer", "splat (i1 true)"
@@ -36,6 +36,7 @@ WRITTEN = {  # kernels of `codegen.lane_math` that replace functions of `math`
     "log": "log_of_lanes",
     "pow": "power_of_lanes",
 }
+ANY_POWER = "power_of_any"  # in a text with kernels of a user's own, whose bases may be below zero
 EACH = tuple(range(LANES))
 POWERS_OF_TWO = tuple(1 << n for n in range(63))
 
@@ -75,6 +76,11 @@ class LaneOperations(Expressions):
     def laned(self, value: Value) -> Value:
         """Return a value in which every number is a vector of all lanes."""
         return self.as_kind(value, laned(value.kind))
+
+    def of_numbers(self, value: Value, node: ast.AST) -> None:
+        """Fail for an array, of which lanes that take different ways cannot have different ones."""
+        if any(part[0] != "<" for part in laned(value.kind).parts):
+            raise self.fail(node, "lanes cannot choose between arrays")
 
     def floating(self, value: Value) -> Value:
         """Return a value in which every float is a vector of all lanes."""
@@ -134,7 +140,8 @@ class LaneOperations(Expressions):
     def called(self, function: str, values: Sequence[Value]) -> Value:
         given = [self.as_kind(value, FLOATS) for value in values]
         if function in WRITTEN:
-            return self._kernel(WRITTEN[function], given)
+            own_power = function == "pow" and self.library.program.has_own
+            return self._kernel(ANY_POWER if own_power else WRITTEN[function], given)
         name = OWN.get(function) or ROUNDED.get(function) or function
         if function in VECTORED:
             name = name.replace(".f64", f".v{LANES}f64")
@@ -166,7 +173,7 @@ class LaneOperations(Expressions):
             one, other = self.laned(one), self.laned(other)
             kind = joined(one.kind, other.kind)
             if kind is None:
-                raise TypeError(f"it is {one.kind} or {other.kind}")
+                raise CannotCompile(f"lanes cannot choose between {one.kind} and {other.kind}")
             one, other = self.as_kind(one, kind), self.as_kind(other, kind)
         return super().chosen(where, one, other)
 

@@ -59,6 +59,8 @@ class LaneEmitter(LaneExpressions, Emitter):
 
     def store(self, name: str, value: Value, node: ast.AST) -> None:
         """Assign a value to a variable in the active lanes."""
+        if self.split and self.own:
+            self.of_numbers(value, node)
         super().store(name, self.laned(value) if self.split and self.apart else self.floating(value), node)
 
     remembers = False  # what is stored depends on the lanes that are active
@@ -190,8 +192,8 @@ class LaneEmitter(LaneExpressions, Emitter):
             self._count(name, found, node)
 
     def store_counter(self, name: str, value: Value, node: ast.For) -> None:
-        self.apart = False
-        self.store(name, value, node)
+        self.apart = name in self.outliving  # lanes leave the loop with different numbers
+        super().store_counter(name, value, node)
         self.apart = True
 
     def _count_apart(self, name: str, bounds: tuple[Value, Value, int], node: ast.For) -> None:
@@ -206,7 +208,7 @@ class LaneEmitter(LaneExpressions, Emitter):
 
         def turn() -> None:
             now = self.new(f"load {WHOLE}, ptr {counter}")
-            self.store(name, Value(INTEGERS, (now,)), node)
+            self.store_counter(name, Value(INTEGERS, (now,)), node)
             self.inside(node.body)
             self.add(f"store {WHOLE} {self.new(f'add {WHOLE} {now}, splat (i64 {step})')}, ptr {counter}")
 
@@ -214,11 +216,11 @@ class LaneEmitter(LaneExpressions, Emitter):
 
     def _for_each(self, target: ast.expr, elements: Sequence[ast.expr], node: ast.For) -> None:
         leaves = _leaves(node.body)
-        loop = self._begin_loop() if leaves else None
-        for each in elements:
+        loop, values = self._begin_loop() if leaves else None, self._elements(elements, node)
+        for _ in elements:
             self.depth += 1
             self.split += leaves
-            self.assign(target, self.expression(each))
+            self.assign(target, next(values))
             self.inside(node.body)
             self.split -= leaves
             self.depth -= 1
@@ -230,6 +232,8 @@ class LaneEmitter(LaneExpressions, Emitter):
     def _return(self, value: Value, node: ast.Return) -> None:
         value = self.laned(value) if self.split else self.floating(value)
         value = self._returned(value, node)
+        if self.leaves:
+            self.of_numbers(value, node)
         if not self.results or self.again:
             self.results = [self.slot(part) for part in value.kind.parts]
         for part, register, slot in zip(value.kind.parts, value.parts, self.results, strict=True):

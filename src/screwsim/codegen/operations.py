@@ -69,6 +69,7 @@ class Operations:
     count: int
     block: str
     closed: bool
+    own: bool  # whether the function is of a user's module
 
     def fail(self, node: ast.AST, what: str) -> CannotCompile:
         raise NotImplementedError
@@ -265,12 +266,21 @@ class Operations:
         at: Value | None = None
         for each, size in zip(indices, of.parts[1:], strict=True):
             length, k = Value(INTEGER, (size,)), self.whole(self.expression(each), node)
-            if k.known is not None and k.known < 0:
-                k = self.operation(ast.Add(), length, k, node)
-            k = self.library.checked(self, k, size)
+            k = self.library.checked(self, self.from_start(k, length, node), size)
             at = k if at is None else self.operation(ast.Add(), self.operation(ast.Mult(), at, length, node), k, node)
         assert at is not None
         return self.moved(of, at)
+
+    def from_start(self, k: Value, length: Value, node: ast.AST) -> Value:
+        """Return an index counted from an array's start, where it may count from its end.
+
+        A variable may be below zero only in a kernel of a user's own; ours are written so that none is.
+        """
+        if k.known is None and self.own:
+            return self.chosen(
+                self.compare(ast.Lt(), k, constant(0), node), self.operation(ast.Add(), k, length, node), k
+            )
+        return self.operation(ast.Add(), length, k, node) if k.known is not None and k.known < 0 else k
 
     def moved(self, of: Value, at: Value) -> tuple[str, Kind]:
         """Return the address a number of elements further on, and the kind of array that begins there."""
@@ -307,6 +317,13 @@ class Operations:
         if function in ROUNDED:
             return lambda values, node: self._int([self.called(function, values)], node)
         return lambda values, node: self.called(function, values)
+
+    @staticmethod
+    def takes(name: str, count: int) -> bool:
+        """Tell whether a function that is not a kernel takes so many numbers."""
+        if name in ("min", "max"):
+            return count > 1
+        return count == (2 if name.removeprefix("math.") in OF_TWO else 1)
 
     def called(self, function: str, values: Sequence[Value]) -> Value:
         """Return the value of a function of one or two floats."""

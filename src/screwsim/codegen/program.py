@@ -7,6 +7,7 @@ import re
 import struct
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -57,6 +58,7 @@ class Program:
     functions: Functions = field(default_factory=lambda: Functions({}))
     constants: dict[str, Any] = field(default_factory=dict)
     _assigned: dict[str, set[str]] = field(default_factory=dict)
+    _outliving: dict[str, set[str]] = field(default_factory=dict)
 
     def assigned_in(self, function: str) -> set[str]:
         """Return the names that a function assigns."""
@@ -64,6 +66,38 @@ class Program:
             found = (each for each in nodes(self.functions[function]) if isinstance(each, ast.Name))
             self._assigned[function] = {each.id for each in found if isinstance(each.ctx, ast.Store)}
         return self._assigned[function]
+
+    def outliving_in(self, function: str) -> set[str]:
+        """Return the counters of a function's loops that are read elsewhere than in the loop that counts."""
+        if function not in self._outliving:
+            self._outliving[function] = _outliving(self.functions[function])
+        return self._outliving[function]
+
+    @cached_property
+    def has_own(self) -> bool:
+        """Whether kernels of a user's own are among the functions."""
+        return any(name.startswith("user_") for name in self.functions)
+
+
+def _outliving(function: ast.FunctionDef) -> set[str]:
+    every = nodes(function)
+    loops: dict[str, list[ast.For]] = {}
+    for node in every:
+        if isinstance(node, ast.For) and isinstance(node.target, ast.Name):
+            loops.setdefault(node.target.id, []).append(node)
+    found = set[str]()
+    for name, own in loops.items():
+        inside = {id(node) for loop in own for node in nodes(*loop.body)}
+        nested = any(id(loop) in inside for loop in own)
+        if nested or any(_reads(node, name) and id(node) not in inside for node in every):
+            found.add(name)
+    return found
+
+
+def _reads(node: ast.AST, name: str) -> bool:
+    if isinstance(node, ast.AugAssign):
+        return isinstance(node.target, ast.Name) and node.target.id == name
+    return isinstance(node, ast.Name) and node.id == name and isinstance(node.ctx, ast.Load)
 
 
 def read(text: str) -> Program:

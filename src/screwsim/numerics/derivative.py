@@ -29,9 +29,10 @@ from screwsim.numerics.expressions import (
     is_unit,
     product,
     slope_name,
+    target_of,
 )
 from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed, written
-from screwsim.numerics.partials import Active, Partials, find_active, seeds_of
+from screwsim.numerics.partials import Active, Partials, find_active
 
 
 @lru_cache(maxsize=256)
@@ -48,7 +49,8 @@ def tangent(item: Kernel, by: tuple[str, ...]) -> Kernel:
     function = parsed(item.source).body[0]
     assert isinstance(function, ast.FunctionDef)
     text, uses = _OfKernel(item, function, by).written()
-    return written(text, f"slopes_of_{item.__name__}", uses)
+    own = "user_" if item.flat_name.startswith("user_") else ""
+    return written(text, f"{own}slopes_of_{item.__name__}", uses)
 
 
 class Forward:
@@ -79,8 +81,12 @@ class Forward:
         self.whole = set(by) & set(names)  # seeds that are reassigned, and so are variables like others
         self.once -= self.whole
         find_active(self.active, self.pairs, by, self.given, held)
-        self._partials = Partials(name, known, self.active, taken, tangent)
+        self.tail = ""  # of the names of derivatives
+        self._partials = Partials(name, known, self.active, taken, names, tangent)
         self.uses = self._partials.uses  # kernels that the new statements call, by name
+
+    def _slope_name(self, name: str, seed: str) -> str:
+        return slope_name(name, seed) + self.tail
 
     def statements(self, body: Sequence[ast.stmt]) -> list[ast.stmt]:
         """Return the statements together with the derivatives of all variables that they set."""
@@ -94,7 +100,7 @@ class Forward:
             return ast.Constant(1.0)
         if (name, seed) in self.plain:
             return self.plain[name, seed]
-        return ast.Name(slope_name(name, seed), ast.Load())
+        return ast.Name(self._slope_name(name, seed), ast.Load())
 
     def _statement(self, node: ast.stmt) -> list[ast.stmt]:
         match node:
@@ -104,12 +110,18 @@ class Forward:
                 return self._assignment(name, value)
             case ast.Assign(targets=[ast.Tuple(elts=targets)], value=value):
                 return self._unpacking(targets, value)
+            case ast.Assign(targets=[ast.Name(id=name), *others], value=value):
+                same = (ast.Assign([each], ast.Name(name, ast.Load())) for each in others)
+                return [*self._assignment(name, value), *(new for each in same for new in self._statement(each))]
             case ast.AugAssign(target=ast.Name(id=name), op=op, value=value):
                 return self._assignment(name, ast.BinOp(ast.Name(name, ast.Load()), op, value))
             case ast.If(test=test, body=body, orelse=orelse):
                 return [ast.If(test, self.statements(body), self.statements(orelse))]
-            case ast.For(target=target, iter=values, body=body, orelse=[]):
-                return [ast.For(target, values, self.statements(body), [])]
+            case ast.For(target=target, iter=ast.Tuple(elts=elements), body=body, orelse=[]):
+                return self._over_elements(target, elements, body)
+            case ast.For(target=ast.Name(id=name) as target, iter=values, body=body, orelse=[]):
+                none = [assign(self._slope_name(name, seed), ast.Constant(0.0)) for seed in self.active.get(name, ())]
+                return [ast.For(target, values, [*none, *self.statements(body)], [])]
             case ast.While(test=test, body=body, orelse=[]):
                 return [ast.While(test, self.statements(body), [])]
             case ast.Return(value=value) if value is not None:
@@ -127,11 +139,11 @@ class Forward:
         after: list[ast.stmt] = []
         for seed, slope in found.items():
             if (name, seed) in self.given:  # a given derivative may depend on the new value
-                after.append(assign(slope_name(name, seed), self.given[name, seed]))
+                after.append(assign(self._slope_name(name, seed), self.given[name, seed]))
             elif name in self.once and is_unit(slope):
                 self.plain[name, seed] = slope
             else:
-                own.append(assign(slope_name(name, seed), slope))
+                own.append(assign(self._slope_name(name, seed), slope))
         return [*before, *own, assign(name, plain), *after]
 
     def _by_seeds(self, slopes: Slopes, seeds: Sequence[str], before: list[ast.stmt], stem: str) -> Slopes:
@@ -147,30 +159,60 @@ class Forward:
         return found
 
     def _unpacking(self, targets: Sequence[Expression], value: Expression) -> list[ast.stmt]:
-        names = [target.id for target in targets if isinstance(target, ast.Name)]
-        if len(names) < len(targets):
-            raise self._partials.fail(f"it unpacks into {ast.unparse(targets[0])!r}")
-        before: list[ast.stmt] = []
-        if isinstance(value, ast.Tuple):
-            found = [self._partials.expression(one, before) for one in value.elts]
-        else:
-            found = self._partials.values(value, before, len(names))
+        names, before = self._names(targets), list[ast.stmt]()
+        found = self._items(value, before, len(names))
         new: list[tuple[str, Expression]] = []
         for name, (plain, slopes) in zip(names, found, strict=True):
             by_seeds = self._by_seeds(slopes, self.active.get(name, ()), before, name)
-            new += [(slope_name(name, seed), slope) for seed, slope in by_seeds.items()]
+            new += [(self._slope_name(name, seed), slope) for seed, slope in by_seeds.items()]
             new.append((name, plain))
-        if isinstance(value, ast.Tuple):  # it may swap variables: everything is read before anything is set
-            held = [(name, self._partials.fresh("new")) for name, _ in new]
-            before += [assign(keep, slope) for (_, keep), (_, slope) in zip(held, new, strict=True)]
-            new = [(name, ast.Name(keep, ast.Load())) for name, keep in held]
+        behind = [{*slopes} & {*names[:k]} for k, (_, slopes) in enumerate(found)]
+        if isinstance(value, ast.Tuple) or any(behind):  # it may swap variables: all is read before anything is set
+            new = [(name, self._held(one, before)) for name, one in new]
         return before + [assign(name, one) for name, one in new]
+
+    def _over_elements(
+        self, target: Expression, elements: Sequence[Expression], body: Sequence[ast.stmt]
+    ) -> list[ast.stmt]:
+        """Return a loop over given values, each with its derivatives by the seeds on which the variable depends."""
+        names, before = self._names(target.elts if isinstance(target, ast.Tuple) else [target]), list[ast.stmt]()
+        seeds = {name: self.active.get(name, ()) for name in names}
+        if not any(seeds.values()):
+            return [ast.For(target, ast.Tuple([*elements], ast.Load()), self.statements(body), [])]
+        rows: list[Expression] = []
+        for element in elements:
+            single = not isinstance(target, ast.Tuple)
+            found = [self._partials.expression(element, before)] if single else self._items(element, before, len(names))
+            row: list[Expression] = []
+            for name, (plain, slopes) in zip(names, found, strict=True):
+                row += [plain, *self._by_seeds(slopes, seeds[name], before, name).values()]
+            rows.append(ast.Tuple([self._held(each, before) for each in row], ast.Load()))
+        every = [each for name in names for each in (name, *(self._slope_name(name, seed) for seed in seeds[name]))]
+        return [*before, ast.For(target_of(every), ast.Tuple(rows, ast.Load()), self.statements(body), [])]
+
+    def _names(self, targets: Sequence[Expression]) -> list[str]:
+        names = [target.id for target in targets if isinstance(target, ast.Name)]
+        if len(names) < len(targets):
+            raise self._partials.fail(f"it unpacks into {ast.unparse(targets[0])!r}")
+        return names
+
+    def _items(self, value: Expression, before: list[ast.stmt], count: int) -> list[tuple[Expression, Slopes]]:
+        """Return the items of a tuple that is written out or returned by a kernel, with their derivatives."""
+        if isinstance(value, ast.Tuple):
+            return [self._partials.expression(one, before) for one in value.elts]
+        return self._partials.values(value, before, count)
+
+    def _held(self, value: Expression, before: list[ast.stmt]) -> Expression:
+        """Return a name that keeps an expression's value whatever is set behind."""
+        keep = self._partials.fresh("new")
+        before.append(assign(keep, value))
+        return ast.Name(keep, ast.Load())
 
     def _return(self, value: Expression) -> list[ast.stmt]:
         before: list[ast.stmt] = []
         if isinstance(value, ast.Tuple):
             found = [self._partials.expression(one, before) for one in value.elts]
-        elif isinstance(value, ast.Call) and seeds_of(value, self.active) and self._partials.returned(value) > 1:
+        elif isinstance(value, ast.Call) and self._partials.returned(value) > 1:
             found = self._partials.values(value, before, self._partials.returned(value))
         else:
             found = [self._partials.expression(value, before)]
@@ -186,6 +228,8 @@ class _OfKernel(Forward):
     def __init__(self, item: Kernel, function: ast.FunctionDef, by: tuple[str, ...]) -> None:
         super().__init__(item.__name__, function.body, by, item.function.__globals__)
         self._partials.taken.update(item.arguments)
+        while self._partials.taken & {self._slope_name(name, seed) for name, by in self.active.items() for seed in by}:
+            self.tail += "_"
         self.item, self.body = item, function.body
         self.whole = {name for names, _ in self.pairs for name in names} & set(item.arguments)
         self.once -= self.whole
@@ -193,7 +237,7 @@ class _OfKernel(Forward):
     def written(self) -> tuple[str, dict[str, Any]]:
         """Return the text of the tangent, and the kernels and constants that it uses."""
         first = [
-            assign(slope_name(name, seed), ast.Constant(float(name == seed)))
+            assign(self._slope_name(name, seed), ast.Constant(float(name == seed)))
             for name in self.item.arguments
             if name in self.whole
             for seed in self.active.get(name, ())

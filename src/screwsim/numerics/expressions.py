@@ -40,7 +40,13 @@ SLOPES = {
     "cosh": "math.sinh(u)",
     "tanh": "1.0 - v * v",
     **dict.fromkeys(("fabs", "abs"), "1.0 if u >= 0.0 else -1.0"),
+    "cbrt": "1.0 / (3.0 * v * v)",
     "erf": "1.1283791670955126 * math.exp(-u * u)",
+}
+# those by both arguments u and w of functions of two
+SLOPES_OF_TWO = {
+    "atan2": ("w / (u * u + w * w)", "-u / (u * u + w * w)"),
+    "hypot": ("u / v", "w / v"),
 }
 
 
@@ -51,7 +57,7 @@ def each(slope: Callable[[str], Expression | None], *known: Slopes) -> Slopes:
 
 
 def assigned(body: Sequence[ast.stmt]) -> Iterator[tuple[list[str], Expression]]:
-    """Yield the names that each assignment of a body sets, and its value."""
+    """Yield the names that each assignment of a body sets, or each loop, and its value."""
     for node in body:
         for part in nodes(node):
             if isinstance(part, ast.Assign):
@@ -59,6 +65,25 @@ def assigned(body: Sequence[ast.stmt]) -> Iterator[tuple[list[str], Expression]]
                 yield [one.id for one in stored if isinstance(one.ctx, ast.Store)], part.value  # no index of an array
             elif isinstance(part, ast.AugAssign) and isinstance(part.target, ast.Name):
                 yield [part.target.id], ast.BinOp(ast.Name(part.target.id, ast.Load()), part.op, part.value)
+            elif isinstance(part, ast.For):
+                values = part.iter.elts if isinstance(part.iter, ast.Tuple) else [part.iter]
+                yield from (pair for value in values for pair in matched(part.target, value))
+
+
+def matched(target: Expression, value: Expression) -> Iterator[tuple[list[str], Expression]]:
+    """Yield the names that a loop sets, each with its value where that is written out."""
+    if isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple) and len(target.elts) == len(value.elts):
+        for one, item in zip(target.elts, value.elts, strict=True):
+            yield from matched(one, item)
+    else:
+        yield [one.id for one in nodes(target) if isinstance(one, ast.Name)], value
+
+
+def choice_of(node: ast.BoolOp) -> ast.IfExp:
+    """Return `and` or `or` as the choice that it is: its first value if that decides, else what the others give."""
+    first, *others = node.values
+    other = others[0] if len(others) == 1 else ast.BoolOp(node.op, others)
+    return ast.IfExp(first, other, first) if isinstance(node.op, ast.And) else ast.IfExp(first, first, other)
 
 
 def name_of(node: ast.Call) -> str:
@@ -69,7 +94,7 @@ def assign(name: str, value: Expression) -> ast.stmt:
     return ast.Assign([ast.Name(name, ast.Store())], value)
 
 
-def targets(names: Sequence[str]) -> Expression:
+def target_of(names: Sequence[str]) -> Expression:
     found: list[Expression] = [ast.Name(name, ast.Store()) for name in names]
     return found[0] if len(found) == 1 else ast.Tuple(found, ast.Store())
 

@@ -7,17 +7,19 @@ from typing import Any
 from screwsim.numerics.expressions import (
     FLAT,
     SLOPES,
+    SLOPES_OF_TWO,
     Expression,
     Slopes,
     added,
     assign,
+    choice_of,
     each,
     is_unit,
     name_of,
     negative,
     product,
     read,
-    targets,
+    target_of,
 )
 from screwsim.numerics.kernel import Kernel, Slot, math_spelling, nodes, parsed
 
@@ -28,7 +30,8 @@ class Partials:
     """Differentiates the expressions of one text by the variables in them.
 
     `active` holds the seeds on which variables depend, `known` the meaning of the text's names, `taken` the names in
-    use; `tangent` makes the kernel of a called kernel's derivatives, and `uses` collects these.
+    use, `local` those that the text sets; `tangent` makes the kernel of a called kernel's derivatives, and `uses`
+    collects these.
     """
 
     def __init__(
@@ -37,9 +40,11 @@ class Partials:
         known: Mapping[str, Any],
         active: Active,
         taken: set[str],
+        local: Collection[str],
         tangent: Callable[[Kernel, tuple[str, ...]], Kernel],
     ) -> None:
         self.name, self.known, self.active, self.taken, self.tangent = name, known, active, taken, tangent
+        self.local = local
         self.uses: dict[str, Any] = {}
         self._count = 0
 
@@ -73,6 +78,8 @@ class Partials:
                 return self._operation(left, op, right, before)
             case ast.IfExp(test=test, body=body, orelse=orelse):
                 return self._choice(test, body, orelse, before)
+            case ast.BoolOp():
+                return self.expression(choice_of(node), before)
             case ast.Call():
                 return self._call(node, before)
             case ast.Subscript(value=ast.Call() as call, slice=ast.Constant(value=int(index))):
@@ -113,7 +120,10 @@ class Partials:
         self, a: Expression, da: Slopes, b: Expression, db: Slopes, before: list[ast.stmt]
     ) -> tuple[Expression, Slopes]:
         value = self.kept(ast.BinOp(a, ast.Pow(), b), before)
-        by_a = self.kept(read("b * a ** (b - 1.0)", a=a, b=b), before) if da else None
+        slope = "b * a ** (b - 1.0)"
+        if isinstance(b, ast.Name) and b.id in self.local:  # such as the number of an iteration
+            slope += " if b != 0.0 else 0.0"
+        by_a = self.kept(read(slope, a=a, b=b), before) if da else None
         by_b = self.kept(read("v * math.log(a)", a=a, v=value), before) if db else None
         return value, each(lambda name: added(product(da.get(name), by_a), product(db.get(name), by_b)), da, db)
 
@@ -133,12 +143,14 @@ class Partials:
 
     def _call(self, node: ast.Call, before: list[ast.stmt]) -> tuple[Expression, Slopes]:
         name = name_of(node)
-        if (isinstance(node.func, ast.Attribute) or name == "abs") and name in SLOPES:
+        if (isinstance(node.func, ast.Attribute) or name == "abs") and name in SLOPES and len(node.args) == 1:
             value, slopes = self.expression(node.args[0], before)
             u = self.kept(value, before)
             v = self.kept(ast.Call(node.func, [u], []), before)
             by = self.kept(read(SLOPES[name], u=u, v=v), before)
             return v, each(lambda name: product(slopes[name], by), slopes)
+        if isinstance(node.func, ast.Attribute) and name in SLOPES_OF_TWO and len(node.args) == 2:
+            return self._of_two(node, before)
         if isinstance(node.func, ast.Attribute) and name == "pow":
             return self._operation(node.args[0], ast.Pow(), node.args[1], before)
         if isinstance(node.func, ast.Name) and name == "float":
@@ -146,6 +158,16 @@ class Partials:
         if isinstance(node.func, ast.Name) and name in ("min", "max") and len(node.args) > 1:
             return self._extreme(name, node.args, before)
         return self.values(node, before, 1)[0]
+
+    def _of_two(self, node: ast.Call, before: list[ast.stmt]) -> tuple[Expression, Slopes]:
+        (u, du), (w, dw) = (self.expression(each, before) for each in node.args)
+        u, w = self.kept(u, before), self.kept(w, before)
+        v = self.kept(ast.Call(node.func, [u, w], []), before)
+        by_u, by_w = (
+            self.kept(read(text, u=u, v=v, w=w), before) if slopes else None
+            for text, slopes in zip(SLOPES_OF_TWO[name_of(node)], (du, dw), strict=True)
+        )
+        return v, each(lambda name: added(product(du.get(name), by_u), product(dw.get(name), by_w)), du, dw)
 
     def _extreme(self, name: str, arguments: Sequence[Expression], before: list[ast.stmt]) -> tuple[Expression, Slopes]:
         """Return the smallest or largest of several expressions, for equal ones the first, as in Python."""
@@ -165,7 +187,7 @@ class Partials:
         names = [self.fresh("part") for _ in range(count)]
         plain = [ast.Name(name, ast.Load()) for name in names]
         if not seeded:
-            before.append(ast.Assign([targets(names)], node))
+            before.append(ast.Assign([target_of(names)], node))
             return [(one, {}) for one in plain]
         if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name):
             raise self.fail(f"it has {ast.unparse(node)!r}")
@@ -178,10 +200,13 @@ class Partials:
         moving = [(name, slopes) for name, (_, slopes) in zip(called.arguments, found, strict=True) if slopes]
         by = tuple(name for name, _ in moving)
         alias = "_by_".join([node.func.id, "_".join(by)])  # two kernels may have the same name of their own
-        self.uses[alias] = self.tangent(called, by)
+        found_as = self.tangent(called, by)
+        if alias in self.taken or self.uses.get(alias, found_as) is not found_as:  # by a, b and by a_b
+            alias = self.fresh(alias)
+        self.uses[alias] = found_as
         parts = [[self.fresh("by") for _ in range(count)] for _ in moving]
         call = ast.Call(ast.Name(alias, ast.Load()), [value for value, _ in found], [])
-        before.append(ast.Assign([targets([*names, *(name for some in parts for name in some)])], call))
+        before.append(ast.Assign([target_of([*names, *(name for some in parts for name in some)])], call))
 
         def slope(k: int, name: str) -> Expression | None:
             total: Expression | None = None
@@ -194,11 +219,17 @@ class Partials:
 
     def returned(self, node: ast.Call) -> int:
         """Return the number of values that a called kernel returns."""
-        called = self.known.get(node.func.id) if isinstance(node.func, ast.Name) else None
-        if not isinstance(called, Kernel):
-            return 1
-        returns = [one.value for one in nodes(parsed(called.source)) if isinstance(one, ast.Return)]
-        return len(returns[0].elts) if returns and isinstance(returns[0], ast.Tuple) else 1
+        return _returned(node, self.known)
+
+
+def _returned(node: Expression | None, known: Mapping[str, Any]) -> int:
+    called = known.get(node.func.id) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else None
+    if not isinstance(called, Kernel):
+        return 1
+    returns = [one.value for one in nodes(parsed(called.source)) if isinstance(one, ast.Return)]
+    if returns and isinstance(returns[0], ast.Tuple):
+        return len(returns[0].elts)
+    return _returned(returns[0], called.function.__globals__) if returns else 1
 
 
 def find_active(
@@ -241,7 +272,9 @@ def variables_of(node: ast.AST) -> Iterator[str]:
             left += (part.body, part.orelse)
         elif kind is ast.Call:
             left += () if name_of(part) in FLAT | {"int", "len", "range"} else part.args
-        elif kind not in (ast.Constant, ast.Compare, ast.BoolOp):
+        elif kind is ast.BoolOp:  # gives one of its values
+            left += part.values
+        elif kind not in (ast.Constant, ast.Compare) and not (kind is ast.UnaryOp and type(part.op) is ast.Not):
             left += ast.iter_child_nodes(part)
 
 
