@@ -62,6 +62,13 @@ class Sheet:
         places = [self.names.index(name) for name in names]
         return [(row.line, tuple(row.cells[place] for place in places)) for row in self.rows]
 
+    def numbers(self, *names: str, words: str) -> list[tuple[float, ...]]:
+        """Return the numbers in the named columns of each row; raise BadSheet, with `words` where one is none."""
+        try:
+            return [tuple(map(float, cells)) for _, cells in self.columns(*names)]
+        except ValueError:
+            raise BadSheet(words) from None
+
     def records(self) -> list[dict[str, str]]:
         """Return each row as {name: cell}."""
         return [dict(zip(self.names, row.cells, strict=True)) for row in self.rows]
