@@ -20,16 +20,7 @@ from collections.abc import Collection, Mapping, Sequence
 from functools import lru_cache
 from typing import Any
 
-from screwsim.numerics.expressions import (
-    Expression,
-    Slopes,
-    added,
-    assign,
-    assigned,
-    is_unit,
-    product,
-    slope_name,
-)
+from screwsim.numerics.expressions import Expression, Slopes, added, assign, assigned, is_unit, product, slope_name
 from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed, written
 from screwsim.numerics.partials import Active, Partials, find_active, seeds_of
 

@@ -90,10 +90,7 @@ def schema() -> dict[str, Any]:
         "properties": properties,
         "additionalProperties": False,
         "anyOf": [{"required": ["base"]}, {"$ref": "#/$defs/complete"}],
-        "$defs": {
-            "complete": _complete(effects),
-            **axis_definitions(),
-        },
+        "$defs": {"complete": _complete(effects), **axis_definitions()},
     }
 
 
