@@ -101,8 +101,7 @@ def _leak(problem: Problem, R: Array) -> Stream:
     leaks = [part for _, part in problem.parts.all(LineLeak)]
     suction, discharge = (R[at : at + slots.CHOKED + 1].tolist() for at in (slots.R_SUCTION, slots.R_DISCHARGE))
     port_state = R[slots.R_DISCHARGE : slots.R_DISCHARGE + slots.PORT_STATE].tolist()
-    flux = float(flow(1.0, *_nozzle(suction), *_nozzle(discharge), 0.0))
-    flux = max(0.0, flux)
+    flux = max(0.0, float(flow(1.0, *_nozzle(suction), *_nozzle(discharge), 0.0)))
     gas = flux * sum(part.area * _flux_share(problem, part, port_state, flux) for part in leaks) / problem.rate
     oil = gas * port_state[slots.OIL_RATIO] if problem.composition.carried else 0.0
     held = oil * port_state[slots.DISSOLVED] if problem.parts.dissolves else 0.0

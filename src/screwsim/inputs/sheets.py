@@ -56,9 +56,8 @@ class Sheet:
         """Return (line, cells of the named columns) for each row; raise BadSheet where a column is missing."""
         if not set(names) <= set(self.names):
             found = ", ".join(name for name in self.names if name) or "none"
-            raise BadSheet(
-                f"needs the {'columns' if len(names) > 1 else 'column'} {' and '.join(names)} (found: {found})"
-            )
+            wanted = "columns" if len(names) > 1 else "column"
+            raise BadSheet(f"needs the {wanted} {' and '.join(names)} (found: {found})")
         places = [self.names.index(name) for name in names]
         return [(row.line, tuple(row.cells[place] for place in places)) for row in self.rows]
 
