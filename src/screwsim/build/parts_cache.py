@@ -19,9 +19,8 @@ from screwsim.inputs.textfiles import stamp
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
 from screwsim.model.parts import Effects
-from screwsim.model.series import keep
 from screwsim.numerics.frozen import with_changes
-from screwsim.numerics.identity_cache import IdentityCache
+from screwsim.numerics.identity_cache import IdentityCache, keep
 from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import ActiveEffect, Scene
 
