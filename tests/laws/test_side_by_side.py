@@ -173,8 +173,8 @@ def test_threads_ask_coolprop_one_after_the_other(monkeypatch):
         T = constants.saturation_temperature(fluid, p)
         return T, constants.saturated_liquid_enthalpy(fluid, T)
 
-    constants._known().clear()
+    constants._known.clear()
     alone = [ask(pair) for pair in asked]
-    constants._known().clear()
+    constants._known.clear()
     with ThreadPoolExecutor(THREADS) as pool:
         assert list(pool.map(ask, asked)) == alone

@@ -114,10 +114,9 @@ class _Call:
         like = asked[0].machinery
         self.arrays = [arrays_of(each) for each in asked]
         first = self.arrays[0]
-        self.columns: dict[str, int] = dict(
-            zip(OWN, accumulate((len(first[name]) for name in OWN), initial=0), strict=False)
-        )
-        self.own_size = sum(len(first[name]) for name in OWN)
+        lengths = [len(first[name]) for name in OWN]
+        self.columns: dict[str, int] = dict(zip(OWN, accumulate(lengths, initial=0), strict=False))
+        self.own_size = sum(lengths)
         self.old = [each.machinery.last() for each in asked]
         self.most_old = max(1, *(steps for *_, steps in self.old))
         tables = {id(each.machinery.composition.TAB): each.machinery.composition.TAB for each in asked}

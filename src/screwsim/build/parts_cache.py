@@ -19,9 +19,8 @@ from screwsim.inputs.textfiles import stamp
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
 from screwsim.model.parts import Effects
-from screwsim.model.series import keep
 from screwsim.numerics.frozen import with_changes
-from screwsim.numerics.identity_cache import IdentityCache
+from screwsim.numerics.identity_cache import IdentityCache, keep
 from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import ActiveEffect, Scene
 
@@ -78,15 +77,13 @@ class PartsCache:
         """Return the parts of a scene's effects on a geometry."""
         around = surroundings_of(scene, at)
         every = scene.effects
-        numbers = [
-            (name, one.effect.numbers(one.parameters, around)) for name, one in _effects_taking_numbers(every).items()
-        ]
-        whole = id(every), id(geometry), *_stamps(every), *[(name, *given.items()) for name, given in numbers]
+        asking = _effects_taking_numbers(every)
+        numbers = {name: one.effect.numbers(one.parameters, around) for name, one in asking.items()}
+        whole = id(every), id(geometry), *_stamps(every), *[(name, *given.items()) for name, given in numbers.items()]
         known = self._whole.get(whole)
         if known is not None:
             return known[2]
-        by_name = dict(numbers)
-        parts = {name: self._effect(name, active, geometry, by_name.get(name, {})) for name, active in every.items()}
+        parts = {name: self._effect(name, active, geometry, numbers.get(name, {})) for name, active in every.items()}
         return keep(self._whole, whole, (every, geometry, Effects(_with_present_factors(parts))))[2]
 
     def _effect(self, name: str, active: ActiveEffect, geometry: Any, numbers: Mapping[str, float]) -> list[Any]:

@@ -96,8 +96,7 @@ class Course:
                 break
         else:
             return None
-        n = machinery.n
-        gap = self._gap
+        n, gap = machinery.n, self._gap
         if gap is None:
             gap = SLOPE * float(_distances(cycles[-1].parameters, parameters))
         contraction, tangents = (1.0, None) if self._last is None else (self._last.contraction, self._last.tangents)

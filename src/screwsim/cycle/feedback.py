@@ -119,23 +119,14 @@ def turn_of(problem: Problem, life: Trajectory, q: Array, into: LineInflow | Non
     `into` is the flow into pulsating lines, where it is known; otherwise it is read from the life.
     """
     parts, P, c = problem.parts, life.composition.P, problem.composition
-    sums = problem.rate * walls_of(c, q)
     names = [wall.name for _, wall in parts.walls]
-    gaps = parameters_of_type(problem.scene.effects, ClearanceParameters)
+    sums = (problem.rate * walls_of(c, q)).T.tolist()
+    heat, conductance = (dict(zip(names, each, strict=True)) for each in sums)
+    gaps = {name: gap.gap for name, gap in parameters_of_type(problem.scene.effects, ClearanceParameters).items()}
     held = dict(zip(parts.made, P[list(c.made)].tolist(), strict=True))
-    made = dict(held)
-    turn = Turn(
-        held,
-        made,
-        dict(zip(names, sums[:, 0].tolist(), strict=True)),
-        dict(zip(names, sums[:, 1].tolist(), strict=True)),
-        {name: gap.gap for name, gap in gaps.items()},
-        problem.scene.operation.ambient_temperature,
-        _line_flows(problem, life, q, into),
-        parts.omega,
-        parts.geometry.pitch,
-        not parts.plenums,
-    )
+    made, ambient = dict(held), problem.scene.operation.ambient_temperature
+    flows, pitch = _line_flows(problem, life, q, into), parts.geometry.pitch
+    turn = Turn(held, made, heat, conductance, gaps, ambient, flows, parts.omega, pitch, not parts.plenums)
     for name, part in parts.all(Made):
         found = part.image(turn)
         if np.isfinite(q[Q_WORK]):

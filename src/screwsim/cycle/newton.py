@@ -147,11 +147,6 @@ class Corrections:
         """Whether corrections are being made."""
         return self.tangents is not None
 
-    @property
-    def borrowed(self) -> bool:
-        """Whether the tangents come from another scene's cycle."""
-        return self.tangents is not None and self.tangents.elsewhere
-
     def due(self, slow: bool, moved: float, near: bool = False) -> bool:
         """Return whether the last turn or pitch, which moved the coordinates by `moved`, is to be corrected.
 

@@ -242,10 +242,9 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
     composition = _with_integrator(scene.numerics.integrator, series.composer.compose(parts))
     composition.P.flags.writeable = False
     reach_station()
-    dry = at.quality is None
     line = (
         parts.gas.port_state(at.p_s, at.T_s)
-        if dry
+        if at.quality is None
         else parts.gas.port_state_of_enthalpy(at.p_s, suction_enthalpy(scene))
     )
     lost = 0.0 if scene.losses is None else scene.losses.before

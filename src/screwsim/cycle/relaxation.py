@@ -251,7 +251,8 @@ class _Turns:
 
         What one correction misses, the next turn repeats: two corrected turns in a row show how much.
         """
-        if not self.corrections.borrowed:
+        tangents = self.corrections.tangents
+        if tangents is None or not tangents.elsewhere:
             return 0.0
         if not self.corrected_before:
             return ASSUMED_MISS

@@ -14,21 +14,8 @@ from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects.base import LineLeak, OilSolution, SuctionHeat
 from screwsim.fluid.nozzle import flow
 from screwsim.inputs.faults import UsageError
+from screwsim.model import slots
 from screwsim.model.numbers import symbols_of
-from screwsim.model.slots import (
-    CHOKED,
-    DENSITY,
-    DISSOLVED,
-    ENTHALPY,
-    OF_GAS,
-    OIL_RATIO,
-    OIL_TEMPERATURE,
-    PORT_STATE,
-    R_DISCHARGE,
-    R_SUCTION,
-    SUCTION_IN,
-    SUCTION_OUT,
-)
 from screwsim.numerics.roots import brentq
 
 Array = np.ndarray
@@ -74,7 +61,7 @@ class Mixture(NamedTuple):
 def values(problem: Problem, R: Array) -> Array:
     """Return the unknowns that the next turn will use."""
     c = problem.composition
-    h, oil, held = (float(R[R_SUCTION + cell]) for cell in (ENTHALPY, OIL_RATIO, DISSOLVED))
+    h, oil, held = (float(R[slots.R_SUCTION + cell]) for cell in (slots.ENTHALPY, slots.OIL_RATIO, slots.DISSOLVED))
     return np.array(Mixture(h, oil, oil * held)[: 1 + c.carried + c.dissolves])
 
 
@@ -86,21 +73,21 @@ def set_values(problem: Problem, R: Array, found: Array) -> None:
         T = problem.parts.gas.temperature(problem.suction.pressure, mixture.enthalpy)
     except UsageError:
         return
-    R[R_SUCTION : R_SUCTION + len(port_state)] = port_state
+    R[slots.R_SUCTION : slots.R_SUCTION + len(port_state)] = port_state
     if len(found) > 1:
         ratio = max(mixture.oil, 0.0)
-        R[R_SUCTION + OIL_RATIO] = ratio
-        R[R_SUCTION + OIL_TEMPERATURE] = T + problem.oil_pressure_term(problem.suction.pressure)
+        R[slots.R_SUCTION + slots.OIL_RATIO] = ratio
+        R[slots.R_SUCTION + slots.OIL_TEMPERATURE] = T + problem.oil_pressure_term(problem.suction.pressure)
         if len(found) > 2 and ratio > 0.0:
-            R[R_SUCTION + DISSOLVED] = max(mixture.held, 0.0) / ratio
-        R[R_SUCTION + DENSITY] *= problem.gas_share(float(port_state[DENSITY]), ratio) ** 2
+            R[slots.R_SUCTION + slots.DISSOLVED] = max(mixture.held, 0.0) / ratio
+        R[slots.R_SUCTION + slots.DENSITY] *= problem.gas_share(float(port_state[slots.DENSITY]), ratio) ** 2
 
 
 def leak(problem: Problem, R: Array) -> Stream:
     """Return the leak from the discharge line that bypasses the chambers, per life of one chamber (M274)."""
     if not problem.parts.all(LineLeak):
         return _NONE
-    lines, known = R[: R_DISCHARGE + PORT_STATE].tobytes(), problem.leaked
+    lines, known = R[: slots.R_DISCHARGE + slots.PORT_STATE].tobytes(), problem.leaked
     found = known.get(lines)
     if found is None:
         found = _leak(problem, R)
@@ -112,23 +99,22 @@ def leak(problem: Problem, R: Array) -> Stream:
 def _leak(problem: Problem, R: Array) -> Stream:
     """Return the same, computed."""
     leaks = [part for _, part in problem.parts.all(LineLeak)]
-    suction, discharge = (R[at : at + CHOKED + 1].tolist() for at in (R_SUCTION, R_DISCHARGE))
-    port_state = R[R_DISCHARGE : R_DISCHARGE + PORT_STATE].tolist()
-    flux = float(flow(1.0, *_nozzle(suction), *_nozzle(discharge), 0.0))
-    flux = max(0.0, flux)
+    suction, discharge = (R[at : at + slots.CHOKED + 1].tolist() for at in (slots.R_SUCTION, slots.R_DISCHARGE))
+    port_state = R[slots.R_DISCHARGE : slots.R_DISCHARGE + slots.PORT_STATE].tolist()
+    flux = max(0.0, float(flow(1.0, *_nozzle(suction), *_nozzle(discharge), 0.0)))
     gas = flux * sum(part.area * _flux_share(problem, part, port_state, flux) for part in leaks) / problem.rate
-    oil = gas * port_state[OIL_RATIO] if problem.composition.carried else 0.0
-    held = oil * port_state[DISSOLVED] if problem.parts.dissolves else 0.0
-    return Stream(gas, gas * port_state[ENTHALPY], oil, oil * port_state[OIL_TEMPERATURE], held)
+    oil = gas * port_state[slots.OIL_RATIO] if problem.composition.carried else 0.0
+    held = oil * port_state[slots.DISSOLVED] if problem.parts.dissolves else 0.0
+    return Stream(gas, gas * port_state[slots.ENTHALPY], oil, oil * port_state[slots.OIL_TEMPERATURE], held)
 
 
 def _flux_share(problem: Problem, part: LineLeak, port_state: list[float], flux: float) -> float:
     """Return the share of the nozzle's flux [kg/(m² s)] that passes with the oil of a port state (M300)."""
     if part.resistance is None or flux == 0.0:
         return 1.0
-    ratio = max(port_state[OIL_RATIO], 0.0) if problem.composition.carried else 0.0
+    ratio = max(port_state[slots.OIL_RATIO], 0.0) if problem.composition.carried else 0.0
     known = {**symbols_of(problem.parts), **part.values, **part.resistance.values}
-    known |= {"flux": flux, "oil_ratio": ratio, "density": port_state[DENSITY]}
+    known |= {"flux": flux, "oil_ratio": ratio, "density": port_state[slots.DENSITY]}
     share = part.resistance.share
     return float(share(*(known[name] for name in share.arguments)))
 
@@ -141,14 +127,14 @@ def _nozzle(port_state: list[float]) -> tuple[float, ...]:
 
 def backflow(problem: Problem, R: Array, streams: Array) -> Stream:
     """Return what flows to the suction line from the chambers and through leaks that bypass them."""
-    return Stream(*(-streams[SUCTION_OUT]).tolist()).plus(leak(problem, R))
+    return Stream(*(-streams[slots.SUCTION_OUT]).tolist()).plus(leak(problem, R))
 
 
 def fresh_gas(problem: Problem, R: Array, streams: Array) -> float:
     """Return the net gas [kg] that the line takes in per life: what is sucked less what came back."""
     if not problem.parts.suction_line:
-        return float(streams[SUCTION_IN, OF_GAS] + streams[SUCTION_OUT, OF_GAS])
-    return Stream(*streams[SUCTION_IN].tolist()).fluid - backflow(problem, R, streams).fluid
+        return float(streams[slots.SUCTION_IN, slots.OF_GAS] + streams[slots.SUCTION_OUT, slots.OF_GAS])
+    return Stream(*streams[slots.SUCTION_IN].tolist()).fluid - backflow(problem, R, streams).fluid
 
 
 def suction_heat(problem: Problem, power: float) -> float:
@@ -176,13 +162,13 @@ def _mixture(problem: Problem, R: Array, streams: Array, h_d: float, heat: float
 
     Where nothing is sucked it is that of what comes back, as in the limit of next to nothing.
     """
-    sucked, returned = Stream(*streams[SUCTION_IN].tolist()).fluid, backflow(problem, R, streams)
+    sucked, returned = Stream(*streams[slots.SUCTION_IN].tolist()).fluid, backflow(problem, R, streams)
     if not (sucked > 0.0 or returned.fluid > 0.0):
         return None
     share = min(1.0, sucked / returned.fluid) if returned.fluid > 0.0 < sucked else 1.0
     own = max(0.0, sucked - returned.fluid)
-    warmed = own * problem.suction.port_state(h_d)[ENTHALPY] + (heat if own > 0.0 else 0.0)
-    return mixed(problem, Stream(own, warmed).plus(returned, share), float(R[R_SUCTION + ENTHALPY]))
+    warmed = own * problem.suction.port_state(h_d)[slots.ENTHALPY] + (heat if own > 0.0 else 0.0)
+    return mixed(problem, Stream(own, warmed).plus(returned, share), float(R[slots.R_SUCTION + slots.ENTHALPY]))
 
 
 def imbalance(problem: Problem, R: Array, streams: Array, h_d: float, heat: float) -> str:
@@ -198,7 +184,7 @@ def imbalance(problem: Problem, R: Array, streams: Array, h_d: float, heat: floa
     except UsageError as wrong:
         return f"gas and oil that flow back would make an impossible mixture in the suction line: {wrong}"
     shift = problem.enthalpy_shift
-    off = abs((found.enthalpy + shift) / (float(R[R_SUCTION + ENTHALPY]) + shift) - 1.0)
+    off = abs((found.enthalpy + shift) / (float(R[slots.R_SUCTION + slots.ENTHALPY]) + shift) - 1.0)
     why = f"the suction line does not settle: the enthalpy of its gas is {off:.1%} off that of what enters it"
     return "" if off <= IMBALANCE else why
 

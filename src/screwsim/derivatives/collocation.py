@@ -209,11 +209,9 @@ def _closed(
             linear = LinearisedPitch(pitch, Y, pitch.slopes(Y), changes)
         response, of_unknowns = linear.respond(stages), linear.first
         before = size
-        cycle = CycleReading(read[0], Y, read[1], at)
-        back = unknowns_response(pitch, cycle, of_unknowns, unknowns_in, 0)
-        change = solve_unknowns(
-            back, off + unknowns_response(pitch, cycle, response, unknowns_in, 1)[:, 0], _stated_unknowns(back)
-        )
+        cycle = CollocatedCycle(pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in)
+        back = unknowns_response(cycle, of_unknowns, 0)
+        change = solve_unknowns(back, off + unknowns_response(cycle, response, 1)[:, 0], _stated_unknowns(back))
         last = damped(response.of(0).nodes + of_unknowns.weighted(change).nodes, last)
         Y = limited_step(pitch, Y, last)
         pitch.meet(entries.coordinates(unknowns_in) + change, unknowns_in)
@@ -232,22 +230,13 @@ def linearised(cycle: CollocatedCycle, changes: Sequence[ArgumentChange], inject
     linear = LinearisedPitch(pitch, Y, cycle.slopes, [*unknowns, *changes], injected, borders(pitch, Y))
     of_unknowns, of_changes = slice(len(unknowns_in)), slice(len(unknowns_in), None)
     by_unknowns, by_changes = linear.first.of(of_unknowns), linear.first.of(of_changes)
-    back = unknowns_response(pitch, CycleReading(cycle.start, Y, cycle.sums, at), by_unknowns, unknowns_in, 0)
+    back = unknowns_response(cycle, by_unknowns, 0)
     return LinearisedCycle(by_changes, by_unknowns, back, _stated_unknowns(back))
 
 
 def _stated_unknowns(back: Array) -> Array:
     """Return which unknowns the scene states: these map to themselves."""
     return np.abs(np.eye(len(back)) - back).max(axis=1, initial=0.0) < IDENTITY_WITHIN
-
-
-class CycleReading(NamedTuple):
-    """What is read of a cycle: states at the start and the nodes, quadratures, numbers."""
-
-    start: Array
-    nodes: Array
-    sums: Array
-    at: RateNumbers
 
 
 def _moved(pitch: CollocatedPitch, at: RateNumbers, unknowns_in: Array, j: int) -> ArgumentChange:
@@ -264,13 +253,12 @@ def _moved(pitch: CollocatedPitch, at: RateNumbers, unknowns_in: Array, j: int) 
     return ArgumentChange(RateNumbers(*((above - below) / (2.0 * SHIFT) for above, below in zip(*found, strict=True))))
 
 
-def unknowns_response(
-    pitch: CollocatedPitch, cycle: CycleReading, response: Response, unknowns_in: Array, first: int
-) -> Array:
+def unknowns_response(cycle: CollocatedCycle, response: Response, first: int) -> Array:
     """Return the response of the unknowns' next values to columns of a response.
 
     The columns from `first` on each include a unit change of one unknown.
     """
+    pitch, unknowns_in = cycle.pitch, cycle.unknowns_in
     found, read = np.empty((len(unknowns_in), response.sums.shape[1])), False
     coordinates = pitch.problem.entries.coordinates(unknowns_in)
 

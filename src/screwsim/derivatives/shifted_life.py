@@ -63,18 +63,8 @@ class ShiftedLife(Trajectory):
         """Return the life of a pitch; `fill` installs it as the last history."""
         machinery = pitch.machinery
         nothing: Any = None
-        found = cls(
-            machinery.composition,
-            machinery.module,
-            machinery.R,
-            nothing,
-            nothing,
-            nothing,
-            nothing,
-            nothing,
-            machinery._reading,
-            machinery.line_flows,
-        )
+        c, module, R = machinery.composition, machinery.module, machinery.R
+        found = cls(c, module, R, nothing, nothing, nothing, nothing, nothing, machinery._reading, machinery.line_flows)
         found.turning = turning
 
         def read() -> Trajectory:

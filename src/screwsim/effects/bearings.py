@@ -15,6 +15,7 @@ Parameters: friction, load, the loads, areas or shaft_diameter, female_load, fri
 mean_diameter, f_0, f_1, count; male, female, life_of_set.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from math import hypot, pi
@@ -41,24 +42,18 @@ USUAL_COUNT = 4  # bearings of a rotor
 ROTOR_LOADS = "rotors"
 _OF_LOAD = {"stated": ("radial_load", "axial_load"), "gas": ("radial_area", "axial_area"), ROTOR_LOADS: ()}
 _CALLED = (f".load: {ROTOR_LOADS}",)
+
+
+def _loads_of(rotor: str) -> Iterator[Figure]:
+    of = f"load of the {rotor} rotor on its bearings"
+    yield Figure(f"{rotor}_radial_load", "N", f"mean radial {of}", needs=_CALLED)
+    axial = f"mean axial {of}, towards the suction end"
+    yield Figure(f"{rotor}_axial_load", "N", axial, over("male_radial_load"), _CALLED)
+
+
 FIGURES = (
     power_figure("bearing_power", "friction of the bearings"),
-    *(
-        figure
-        for rotor in NAMES
-        for figure in (
-            Figure(
-                f"{rotor}_radial_load", "N", f"mean radial load of the {rotor} rotor on its bearings", needs=_CALLED
-            ),
-            Figure(
-                f"{rotor}_axial_load",
-                "N",
-                f"mean axial load of the {rotor} rotor on its bearings, towards the suction end",
-                over("male_radial_load"),
-                _CALLED,
-            ),
-        )
-    ),
+    *(load for rotor in NAMES for load in _loads_of(rotor)),
     *bearing_set.FIGURES,
 )
 LOADS = names_of(FIGURES)[1:]

@@ -26,6 +26,7 @@ from screwsim.machine.drive.collocation import POINTS
 from screwsim.machine.drive.response import NoMotion, Response, extremes, peak_to_peak, respond
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, check_coupling
 from screwsim.machine.drive.train import LinearCoupling, Motor, Train, check_motor
+from screwsim.numerics.identity_cache import keep
 from screwsim.outputs import Figure, Trace, names_of, power_figure
 
 KEPT = 3  # motions remembered: those before and after a turn, and that of the turn that estimates the error
@@ -154,14 +155,13 @@ def build(parameters: Parameters, machine) -> list[Shaft | Reading]:
         losses = (figures.shaft_power - figures.indicated_power) / figures.omega
         load = smooth_torque(figures.pitch(), POINTS) + losses
         key = load.tobytes(), figures.set_speed, figures.omega
-        if key not in last:
-            if len(last) == KEPT:
-                del last[next(iter(last))]
+        found = last.get(key)
+        if found is None:
             try:  # from the load alone, not from an earlier motion: the bits do not depend on what was solved before
-                last[key] = respond(train(figures.set_speed), load, figures.omega)
+                found = respond(train(figures.set_speed), load, figures.omega)
             except NoMotion as reason:
-                last[key] = reason
-        found = last[key]
+                found = reason
+            keep(last, key, found, KEPT)
         if isinstance(found, NoMotion):
             raise found
         return found

@@ -120,14 +120,11 @@ def loss_of_shares(parameters: Parameters) -> Loss:
     return lambda load: rated * (share + (1.0 - share) * load * load)
 
 
-def read_table(path: str) -> list[tuple[float, float]]:
+def read_table(path: str) -> list[tuple[float, ...]]:
     """Return (load, efficiency) of a CSV file, two rows or more; raise UsageError in one line where there are none."""
+    words = "is not a CSV file with numbers in the columns load, efficiency"
     with sheet_or_usage_error("name a CSV file with the columns load, efficiency"):
-        cells = read_sheet(path).columns("load", "efficiency")
-    try:
-        rows = [(float(load), float(efficiency)) for _, (load, efficiency) in cells]
-    except ValueError:
-        raise UsageError("is not a CSV file with numbers in the columns load, efficiency") from None
+        rows = read_sheet(path).numbers("load", "efficiency", words=words)
     loads = [load for load, _ in rows]
     if len(rows) < 2 or not 0.0 < loads[0] or not all(a < b < inf for a, b in pairwise(loads)):
         raise UsageError("needs two rows or more, with increasing loads above 0 (sort them)")
@@ -136,7 +133,7 @@ def read_table(path: str) -> list[tuple[float, float]]:
     return rows
 
 
-def loss_of_table(rows: list[tuple[float, float]]) -> Loss:
+def loss_of_table(rows: list[tuple[float, ...]]) -> Loss:
     """Return the motor's loss over its rated power as a function of the load, from a table of efficiencies (M204)."""
     load, efficiency = np.array(rows).T
     loss, last = load * (1.0 / efficiency - 1.0), float(load[-1])

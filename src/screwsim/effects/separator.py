@@ -160,51 +160,54 @@ class Parameters(CoolsOil):
 
 def build(parameters: Parameters, machine) -> list[Separator]:
     cooler = parameters.cooler or Cooler()
-    losses = parameters.friction_share, parameters.ambient_loss
 
     def balance(outflow: SeparatorInflow, supply_open: bool) -> Separated:
-        """Return the state in which gas and oil part and, for an open supply, how it has to change (M283, M284)."""
-        found = separated(outflow, *losses)
-        if not supply_open:
-            return found
-        T, C = found.T_separator, outflow.oil_capacity
-        coolant = outflow.T_inlet if cooler.coolant_temperature is None else cooler.coolant_temperature
-        rise = outflow.heat_of(T + 2.0) - outflow.heat_of(T + 1.0)  # beside T, which may be saturation
-        if not C > LEAST * rise:
-            supply = 0.0 if cooler.conductance is None or cooler.stated else coolant - outflow.T_supply
-            return found._replace(supply=supply, why=found.why or (NO_OIL if cooler.stated else ""))
-        share = C / (C + rise)
-
-        def removing(duty: float, effectiveness: float = 0.0) -> Separated:
-            """Return how the supply changes where the cooler removes a duty of that `effectiveness` at T."""
-            left, open_ = 1.0 - effectiveness, found.duty - duty
-            back = 1.0 - share * left
-            return found._replace(supply=open_ / (C * back), open=open_, share=share, gain=left / back)
-
-        uncooled, off = removing(cooler.duty or 0.0), cooler.misses(found.T_mixture, outflow.T_supply)
-        effectiveness = 0.0 if cooler.conductance is None else 1.0 - exp(-cooler.conductance / C)
-        whole = removing(effectiveness * C * (T - coolant), effectiveness)
-        if off is None and cooler.conductance is not None:
-            return whole._replace(load=1.0 if T > coolant else None)
-        if off is None:
-            return uncooled._replace(duty=cooler.duty or 0.0)
-        kept = found._replace(supply=off, open=C * off, share=share, gain=0.0)
-        if cooler.discharge_temperature is not None:
-            kept = found._replace(supply=off / share, open=(C + rise) * off, share=share, gain=1.0 / share)
-        if uncooled.supply <= kept.supply:
-            return uncooled._replace(duty=0.0, load=0.0, told=cooler.idle(found, outflow.T_supply))
-        if cooler.conductance is None:
-            return kept
-        # what is asked for at the temperature that is kept: beyond the cooler's most by the heat capacities alone
-        most = effectiveness * C * (T + share * kept.supply - coolant)
-        kept = kept._replace(load=(found.duty - C * (1.0 - share) * kept.supply) / most if most > 0.0 else None)
-        coldest = min(whole, uncooled, key=lambda each: each.supply)
-        if kept.supply >= coldest.supply:
-            return kept
-        told = cooler.exhausted(kept, outflow.T_supply, coolant) if off < -TOLD else ""
-        return coldest._replace(load=kept.load, told=told)
+        """Return the state in which gas and oil part and, for an open supply, how it has to change."""
+        found = separated(outflow, parameters.friction_share, parameters.ambient_loss)
+        return cooled(cooler, outflow, found) if supply_open else found
 
     return [Separator(balance)]
+
+
+def cooled(cooler: Cooler, outflow: SeparatorInflow, found: Separated) -> Separated:
+    """Return how the supply of oil has to change by its cooler, after gas and oil are `found` to part (M283, M284)."""
+    T, T_supply, C = found.T_separator, outflow.T_supply, outflow.oil_capacity
+    coolant = outflow.T_inlet if cooler.coolant_temperature is None else cooler.coolant_temperature
+    of_gas = outflow.heat_of(T + 2.0) - outflow.heat_of(T + 1.0)  # heat capacity, beside T, which may be saturation
+    if not C > LEAST * of_gas:
+        supply = 0.0 if cooler.conductance is None or cooler.stated else coolant - T_supply
+        return found._replace(supply=supply, why=found.why or (NO_OIL if cooler.stated else ""))
+    share = C / (C + of_gas)
+
+    def removing(duty: float, effectiveness: float = 0.0) -> Separated:
+        """Return how the supply changes where the cooler removes a duty of that `effectiveness` at T."""
+        left, open_ = 1.0 - effectiveness, found.duty - duty
+        back = 1.0 - share * left
+        return found._replace(supply=open_ / (C * back), open=open_, share=share, gain=left / back)
+
+    uncooled, off = removing(cooler.duty or 0.0), cooler.misses(found.T_mixture, T_supply)
+    effectiveness = 0.0 if cooler.conductance is None else 1.0 - exp(-cooler.conductance / C)
+    whole = removing(effectiveness * C * (T - coolant), effectiveness)
+    if off is None and cooler.conductance is None:
+        return uncooled._replace(duty=cooler.duty or 0.0)
+    if off is None:
+        return whole._replace(load=1.0 if T > coolant else None)
+    # a thermostat keeps a temperature, which oil without any cooling may not even reach ...
+    kept = found._replace(supply=off, open=C * off, share=share, gain=0.0)
+    if cooler.discharge_temperature is not None:
+        kept = found._replace(supply=off / share, open=(C + of_gas) * off, share=share, gain=1.0 / share)
+    if uncooled.supply <= kept.supply:
+        return uncooled._replace(duty=0.0, load=0.0, told=cooler.idle(found, T_supply))
+    if cooler.conductance is None:
+        return kept
+    # ... and which a cooler of a stated size may miss: what it is asked for at that temperature over its most there
+    most = effectiveness * C * (T + share * kept.supply - coolant)
+    kept = kept._replace(load=(found.duty - C * (1.0 - share) * kept.supply) / most if most > 0.0 else None)
+    coldest = min(whole, uncooled, key=lambda each: each.supply)
+    if kept.supply >= coldest.supply:
+        return kept
+    told = cooler.exhausted(kept, T_supply, coolant) if off < -TOLD else ""
+    return coldest._replace(load=kept.load, told=told)
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -19,6 +19,7 @@ from math import pi
 from screwsim.effects.base import Effect, Faults, LineLeak
 from screwsim.effects.parts import gap_flow
 from screwsim.effects.parts.gap import flow_coefficient
+from screwsim.effects.parts.gas_transport import declared_gas_viscosity
 from screwsim.effects.parts.usual import LEAK
 from screwsim.inputs.declare import choice, number, optional, quantity
 from screwsim.inputs.faults import Fault
@@ -50,9 +51,7 @@ class Parameters:
     passage: float | None = quantity(
         "length", "length of the annulus along the shaft (model: oil_sealed)", None, gt=0.0, hardly=(1e-5, 0.5)
     )
-    gas_viscosity: float | None = quantity(
-        "viscosity", "mu of the gas (default: from CoolProp)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
-    )
+    gas_viscosity: float | None = declared_gas_viscosity()
 
 
 def area_of(parameters: Parameters) -> float:

@@ -17,7 +17,7 @@ from functools import partial
 from typing import Any
 
 from screwsim.effects.base import Around, Effect, Faults, Made, Reading, Site, Turn, Wall
-from screwsim.effects.parts.gas_transport import gas_faults, gas_numbers
+from screwsim.effects.parts.gas_transport import declared_gas_viscosity, gas_faults, gas_numbers
 from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import number, optional, quantity
 from screwsim.inputs.faults import Fault
@@ -69,9 +69,7 @@ class Parameters:
     gas_conductivity: float | None = quantity(
         "thermal_conductivity", "lambda of the gas (default: from CoolProp)", None, gt=0.0, le=10.0, hardly=(1e-3, 1.0)
     )
-    gas_viscosity: float | None = quantity(
-        "viscosity", "mu of the gas (default: from CoolProp)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
-    )
+    gas_viscosity: float | None = declared_gas_viscosity()
 
 
 @kernel

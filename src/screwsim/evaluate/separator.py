@@ -17,27 +17,8 @@ from screwsim.effects.base import Separator as SeparatorPart
 from screwsim.fluid.moist_air import MoistAir
 from screwsim.fluid.separator import Separated, SeparatorInflow, separated
 from screwsim.inputs.faults import UsageError
+from screwsim.model import slots
 from screwsim.model.numbers import oil_places
-from screwsim.model.slots import (
-    BETWEEN,
-    DISCHARGE_IN,
-    DISCHARGE_OUT,
-    ENTHALPY,
-    FIRST_OWN,
-    OF_ENERGY,
-    OF_GAS,
-    OF_HELD,
-    OF_OIL,
-    OF_OIL_HEAT,
-    PORT_OIL,
-    Q_HEAT,
-    Q_WORK,
-    R_DISCHARGE,
-    R_INJECTED,
-    R_PRESSURE,
-    SUCTION_IN,
-    SUCTION_OUT,
-)
 from screwsim.model.trajectory import Array, Trajectory
 
 NONE_LEFT = "no net gas is delivered to leave the separator"
@@ -91,7 +72,7 @@ def circuit_of(
         return f"the separator does not separate gas and oil: {error}"
     used = asking[0].separator_temperature if asking and separator_open else None
     change = 0.0 if used is None else found.T_separator - used
-    power = abs(problem.rate * float(q[Q_WORK]) + lift + sum(losses.values()))
+    power = abs(problem.rate * float(q[slots.Q_WORK]) + lift + sum(losses.values()))
     unexplained = _unexplained_power(outflow, parted)
     shares = [abs(each) / max(power, 1e-300) for each in (found.open, outflow.oil_capacity * change, unexplained)]
     unclosed = abs(unexplained) / max(outflow.oil_capacity + outflow.gas_flow * parts.gas.c_p, 1e-300)
@@ -113,21 +94,22 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     oil = parts.oil
     assert oil is not None
     streams = rate * streams_of(c, q)
-    beyond = (streams[:, OF_ENERGY] - h_ref * streams[:, OF_GAS]).tolist()  # [W], relative to gas of the suction line
+    gas = streams[:, slots.OF_GAS]
+    beyond = (streams[:, slots.OF_ENERGY] - h_ref * gas).tolist()  # [W], relative to gas of the suction line
     leak = suction_line.leak(problem, life.R).times(rate)
-    out = -float(streams[DISCHARGE_IN, OF_GAS] + streams[DISCHARGE_OUT, OF_GAS]) - leak.gas
-    energy = -(beyond[DISCHARGE_IN] + beyond[DISCHARGE_OUT]) - (leak.enthalpy - h_ref * leak.gas)
+    out = -float(gas[slots.DISCHARGE_IN] + gas[slots.DISCHARGE_OUT]) - leak.gas
+    energy = -(beyond[slots.DISCHARGE_IN] + beyond[slots.DISCHARGE_OUT]) - (leak.enthalpy - h_ref * leak.gas)
     returned = problem.suction.returned * suction_line.fresh_gas(problem, life.R, streams / rate) * rate
-    sent_back = returned * (float(life.R[R_DISCHARGE + ENTHALPY]) - h_ref)
+    sent_back = returned * (float(life.R[slots.R_DISCHARGE + slots.ENTHALPY]) - h_ref)
     flashing = {parts.number(parts.oil_gas.plenum)} if parts.oil_gas is not None else set()
-    own = range(FIRST_OWN, FIRST_OWN + len(parts.plenums))
-    supplied = beyond[SUCTION_IN] + beyond[SUCTION_OUT] - sent_back + rate * float(q[Q_WORK])
+    own = range(slots.FIRST_OWN, slots.FIRST_OWN + len(parts.plenums))
+    supplied = beyond[slots.SUCTION_IN] + beyond[slots.SUCTION_OUT] - sent_back + rate * float(q[slots.Q_WORK])
     supplied += sum(beyond[2 * i] + beyond[2 * i + 1] for i in own if i not in flashing)
     supplied += rate * float(walls_of(c, q)[:, 0].sum())
-    absorbed = sum(float(streams[2 * i, OF_GAS] + streams[2 * i + 1, OF_GAS]) for i in flashing)
+    absorbed = sum(float(gas[2 * i] + gas[2 * i + 1]) for i in flashing)
     taken_up = sum(beyond[2 * i] + beyond[2 * i + 1] for i in flashing)
     if c.carried:
-        T_in = oil.temperature + problem.oil_pressure_term(max(oil.source_pressure, float(life.R[R_PRESSURE])))
+        T_in = oil.temperature + problem.oil_pressure_term(max(oil.source_pressure, float(life.R[slots.R_PRESSURE])))
         T_in = float(c.P[oil_places(parts)["P_H_PORT"]]) if c.ported else T_in
 
         def heat(oil_heat: Any, oil_flow: Any) -> float:
@@ -135,30 +117,31 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
             return oil.heat_capacity * float(np.sum(oil_heat - T_in * oil_flow))
 
         if c.ported:
-            taken_up += heat(streams[PORT_OIL, OF_OIL_HEAT], streams[PORT_OIL, OF_OIL])
-        of_line = (SUCTION_IN, SUCTION_OUT) if parts.suction_line else ()
-        lines = [row for row in range(len(streams)) if row not in (BETWEEN, PORT_OIL, *of_line)]
-        energy -= heat(streams[lines, OF_OIL_HEAT], streams[lines, OF_OIL])
+            taken_up += heat(streams[slots.PORT_OIL, slots.OF_OIL_HEAT], streams[slots.PORT_OIL, slots.OF_OIL])
+        of_line = (slots.SUCTION_IN, slots.SUCTION_OUT) if parts.suction_line else ()
+        lines = [row for row in range(len(streams)) if row not in (slots.BETWEEN, slots.PORT_OIL, *of_line)]
+        energy -= heat(streams[lines, slots.OF_OIL_HEAT], streams[lines, slots.OF_OIL])
         if parts.suction_line:
             # oil that circulates through the suction line, and the leak to it, which leaves before the separator
-            back = streams[SUCTION_IN] + streams[SUCTION_OUT]
+            back = streams[slots.SUCTION_IN] + streams[slots.SUCTION_OUT]
             leaked = heat(leak.oil_heat, leak.oil)
             energy -= leaked
-            supplied += heat(back[OF_OIL_HEAT], back[OF_OIL]) - leaked - (leak.enthalpy - h_ref * leak.gas)
+            supplied += heat(back[slots.OF_OIL_HEAT], back[slots.OF_OIL]) - leaked - (leak.enthalpy - h_ref * leak.gas)
         if isinstance(parts.oil_content, OilSolution) and parts.suction_line:
-            flashed = leak.held - float(streams[SUCTION_IN, OF_HELD] + streams[SUCTION_OUT, OF_HELD])  # M272
+            held = streams[:, slots.OF_HELD]
+            flashed = leak.held - float(held[slots.SUCTION_IN] + held[slots.SUCTION_OUT])  # M272
             absorbed += flashed
             taken_up += flashed * (parts.oil_content.enthalpy - h_ref)
             supplied -= flashed * (parts.oil_content.enthalpy - h_ref)
     else:
-        energy -= rate * float(q[Q_HEAT])
+        energy -= rate * float(q[slots.Q_HEAT])
     friction = sum(losses[name] for name in {part.figure for _, part in parts.all(PowerLoss) if part.friction})
     return SeparatorInflow(
         parts.gas,
         p=problem.lines.p_d,
         gas_flow=out - returned - absorbed,
         h_ref=h_ref,
-        oil_flow=rate * float(streams_of(c, q)[PORT_OIL, OF_OIL] if c.ported else life.R[R_INJECTED]),
+        oil_flow=rate * float(streams_of(c, q)[slots.PORT_OIL, slots.OF_OIL] if c.ported else life.R[slots.R_INJECTED]),
         oil_heat_capacity=oil.heat_capacity,
         T_supply=oil.temperature,
         T_inlet=problem.lines.T_s,

@@ -21,6 +21,7 @@ from screwsim.fluid.blend_flash import table_name
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.coolprop_cache import no_fluid
 from screwsim.inputs.faults import UsageError
+from screwsim.numerics.identity_cache import keep
 from screwsim.numerics.store import append_line, checked_line, read_lines
 from screwsim.outputs.customary import in_bar, in_celsius
 
@@ -52,13 +53,8 @@ def _file() -> str:
     return f"coolprop-{importlib.metadata.version('CoolProp')}.answers"
 
 
+_known: dict[str, Any] = {}  # the answers of this process by their keys
 _answered = count()  # answers that this process has computed
-
-
-@cache
-def _known() -> dict[str, Any]:
-    """Return the answers of this process by their keys."""
-    return {}
 
 
 @cache
@@ -69,20 +65,17 @@ def _stored_lines() -> dict[str, str]:
 
 def ask(key: str, question: Callable[[], Any]) -> Any:
     """Return the answer to a question to CoolProp, which is only asked where no answer is known for its key."""
-    found = _known().get(key)  # without the lock: an answer never changes
+    found = _known.get(key)  # without the lock: an answer never changes
     if found is not None:
         return found
     with _alone:
-        known = _known()
-        if key not in known:
+        if key not in _known:
             text = checked_line(_stored_lines().get(json.dumps(key)[1:-1], ""))
             answer = question() if text is None else json.loads(text)[1]
-            while len(known) >= _MOST:
-                del known[next(iter(known))]
-            known[key] = answer
+            keep(_known, key, answer, _MOST)
             if text is None and next(_answered) < _LEFT:
                 append_line(_file(), json.dumps([key, answer]), _FULL)
-        return known[key]
+        return _known[key]
 
 
 @cache

@@ -61,8 +61,7 @@ def shown(value: Any) -> str:
 
 def one_of(*values: Any) -> Kind:
     """Return the kind that consists of these values, numpy's included; True does not count as 1."""
-    names = [repr(value) for value in values]
-    words = f"none of {', '.join(names)}"
+    words = f"none of {', '.join(map(repr, values))}"
     return Kind(lambda given: any(_is(given, value) for value in values), words)
 
 

@@ -56,11 +56,17 @@ class Sheet:
         """Return (line, cells of the named columns) for each row; raise BadSheet where a column is missing."""
         if not set(names) <= set(self.names):
             found = ", ".join(name for name in self.names if name) or "none"
-            raise BadSheet(
-                f"needs the {'columns' if len(names) > 1 else 'column'} {' and '.join(names)} (found: {found})"
-            )
+            wanted = "columns" if len(names) > 1 else "column"
+            raise BadSheet(f"needs the {wanted} {' and '.join(names)} (found: {found})")
         places = [self.names.index(name) for name in names]
         return [(row.line, tuple(row.cells[place] for place in places)) for row in self.rows]
+
+    def numbers(self, *names: str, words: str) -> list[tuple[float, ...]]:
+        """Return the numbers in the named columns of each row; raise BadSheet, with `words` where one is none."""
+        try:
+            return [tuple(map(float, cells)) for _, cells in self.columns(*names)]
+        except ValueError:
+            raise BadSheet(words) from None
 
     def records(self) -> list[dict[str, str]]:
         """Return each row as {name: cell}."""

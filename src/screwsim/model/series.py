@@ -2,23 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from screwsim.model.compose import compose
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Parts
 from screwsim.model.renumbering import differ_in_numbers_only, operating_numbers, renumbered
 from screwsim.numerics.frozen import with_changes
-
-MOST = 16  # kept of each: as many points of different machines may be solved side by side
-
-
-def keep(known: dict[Any, Any], key: Any, value: Any) -> Any:
-    """Store a value in a dict and return it; the oldest entry is dropped where there are too many."""
-    if len(known) >= MOST:
-        known.pop(next(iter(known)), None)
-    known[key] = value
-    return value
+from screwsim.numerics.identity_cache import keep
 
 
 class Composer:

@@ -18,6 +18,7 @@ from screwsim.model.composition import Composition
 from screwsim.model.slots import S_RHO
 from screwsim.model.trace import SAMPLED
 from screwsim.numerics.frozen import with_changes
+from screwsim.numerics.identity_cache import keep
 
 Array = np.ndarray
 SIDE_STEP = 1e-6  # rad, half the difference for slopes of volumes
@@ -190,9 +191,7 @@ class Trajectory(NamedTuple):
                 self.module.line_flow__into_lines(*self.rows, self.context, self.composition.n_E, into, volume)
             for array in (into, volume):
                 array.flags.writeable = False
-            while len(self.line_flows) >= KNOWN_LIVES:
-                self.line_flows.pop(next(iter(self.line_flows)), None)
-            found = self.line_flows[life] = into, volume
+            found = keep(self.line_flows, life, (into, volume), KNOWN_LIVES)
         return found
 
     def account(self, s_suction: float, s_discharge: float) -> tuple[Array, Array, Array]:

@@ -2,7 +2,7 @@
 
 `functools.lru_cache` hashes its arguments, which for a section of a scene costs more than most of the results that are
 `IdentityCache`. Here objects are identified by their address, and are kept alive as long as their results. They must
-never change.
+never change. `keep` bounds a dict of results by other keys.
 
 `once` computes a value of an object when it is first read. `functools.cached_property` of Python 3.11 takes a lock for
 each, which costs more than most of these values; from 3.12 on it takes none. Two threads that read it at the same time
@@ -16,6 +16,15 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 Value = TypeVar("Value")
 MOST = 64  # results that are kept, by default
+SIDE_BY_SIDE = 16  # as many points of different machines may be solved side by side
+
+
+def keep(known: dict[Any, Any], key: Any, value: Any, most: int = SIDE_BY_SIDE) -> Any:
+    """Store a value in a dict and return it; the oldest entry is dropped where there are too many."""
+    if len(known) >= most:
+        known.pop(next(iter(known)), None)
+    known[key] = value
+    return value
 
 
 class IdentityCache(Generic[Value]):

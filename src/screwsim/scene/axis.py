@@ -57,9 +57,8 @@ def read_axis(leaf: Leaf, node: Node, path: str, problems: LocatedFaults, distin
 def _item(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> Any:
     """Return one value of a list, or None after its fault was added."""
     if isinstance(node.value, str) and tolerance_sign(node.value):
-        remedy = (
-            f"write it after the value of {path.removeprefix('sweep.')}; it then applies to every value of the sweep"
-        )
+        of = path.removeprefix("sweep.")
+        remedy = f"write it after the value of {of}; it then applies to every value of the sweep"
         problems.add(node.place, path, f"{shown(node.value)} has a tolerance of its own ({remedy})")
         return None
     if leaf.kind != "fluid":

@@ -61,9 +61,8 @@ def _oil_without_injection(scene: Scene) -> Iterator[Fault]:
     for name in ("oil", "oil_supply") if OIL not in kind.offers else ():
         if getattr(scene, name) is not None:
             fitting = kinds_offering(frozenset({OIL}))
-            yield Fault(
-                name, f"applies only to machine.kind: {fitting}; no oil is injected into {kind.chamber} (remove it)"
-            )
+            what = f"applies only to machine.kind: {fitting}; no oil is injected into {kind.chamber} (remove it)"
+            yield Fault(name, what)
 
 
 def _expander(scene: Scene) -> Iterator[Fault]:
@@ -200,9 +199,8 @@ def _effects(scene: Scene) -> Iterator[Fault]:
             yield Fault(path, f"{fitting} (remove the effect, or change the machine)")
             continue
         if active.effect.needs_oil and lacking:
-            yield Fault(
-                path, f"needs {' and '.join(lacking)}, which this scene lacks (write that, or remove the effect)"
-            )
+            what = f"needs {' and '.join(lacking)}, which this scene lacks (write that, or remove the effect)"
+            yield Fault(path, what)
         elif active.effect.check is not None:
             yield from active.effect.check(active.parameters, scene)
 

@@ -47,9 +47,8 @@ def _of_speed(scene: Scene) -> Iterator[Fault]:
             yield Fault(SPEED, "is missing (write speed: … rpm; speed of the male rotor, or of the crank)")
         return
     if not turns:
-        yield Fault(
-            TIP_SPEED, f"applies only to screw rotors, which a {scene.machine.kind} does not have (write speed: … rpm)"
-        )
+        what = f"applies only to screw rotors, which a {scene.machine.kind} does not have (write speed: … rpm)"
+        yield Fault(TIP_SPEED, what)
     elif operation.speed is not None and not is_derived(operation.speed):
         remedy = "remove one of the two; null drops a base's value"
         yield Fault(TIP_SPEED, f"is given as well as {SPEED}, which it states already ({remedy})")

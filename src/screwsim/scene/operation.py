@@ -69,11 +69,9 @@ def _stated_one_way(scene: Scene) -> Iterator[Fault]:
     """Yield what is missing, or given twice, in the way in which the lines are stated."""
     temperatures, pressures = _is_given(scene, TEMPERATURES), _is_given(scene, PRESSURES)
     if temperatures and pressures:
+        remedy = "state the lines by pressures or by saturation temperatures; remove one of the two"
         for path in pressures:
-            what = (
-                f"is given as well as {temperatures[0]} (state the lines by pressures or by saturation temperatures; "
-            )
-            yield Fault(path, f"{what}remove one of the two; null drops a base's value)")
+            yield Fault(path, f"is given as well as {temperatures[0]} ({remedy}; null drops a base's value)")
     elif temperatures:
         yield from _temperatures_complete(scene)
     elif pressures:

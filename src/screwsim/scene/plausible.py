@@ -120,10 +120,8 @@ def _rescaled_volumes(law: VolumeLaw, largest: float) -> Iterator[tuple[str, str
     if law.max is None or abs(law.max - largest) <= RESCALED_DEVIATION * largest or is_derived(law.max):
         return
     held, stated = (readable_quantity(KINDS["volume"], round(each, 12)) for each in (largest, law.max))
-    yield (
-        "machine.volume.max",
-        f"a table whose largest volume is {held} is scaled to {stated} (max: {held} keeps it as it is)",
-    )
+    what = f"a table whose largest volume is {held} is scaled to {stated} (max: {held} keeps it as it is)"
+    yield "machine.volume.max", what
 
 
 @IdentityCache
@@ -185,10 +183,8 @@ def _lines(scene: Scene) -> Iterator[tuple[str, str]]:
             p = readable_quantity(KINDS["pressure"], at.p_s)
             here, until = map(in_celsius, (at.T_s, boiling))
             what = f"{scene.gas.name} of {p} is a liquid at {here}, and a gas above {until}"
-            yield (
-                T_S,
-                f"{what}; gas.model: ideal treats it as a gas (use warmer gas, or gas.model: real, which refuses it)",
-            )
+            remedy = "use warmer gas, or gas.model: real, which refuses it"
+            yield T_S, f"{what}; gas.model: ideal treats it as a gas ({remedy})"
         else:
             yield from _dense(scene.gas, at)
 

@@ -44,15 +44,9 @@ def mapping(
 
 _COLUMN = mapping({name: {"type": "string"} for name in ("file", "column", "unit")}, ["file", "column"])
 
+_NAMES = {"type": "array", "items": {"type": "string"}, "minItems": 2}
 _FRACTIONS = {"type": "array", "items": {"type": "number"}, "minItems": 2}
-_BLEND = mapping(
-    {
-        "fluid": {"type": "array", "items": {"type": "string"}, "minItems": 2},
-        "mass_fractions": _FRACTIONS,
-        "mole_fractions": _FRACTIONS,
-    },
-    ["fluid"],
-)
+_BLEND = mapping({"fluid": _NAMES, "mass_fractions": _FRACTIONS, "mole_fractions": _FRACTIONS}, ["fluid"])
 _FLUIDS = {"type": "array", "items": {"anyOf": [{"type": "string"}, _BLEND]}, "minItems": 1}
 
 
@@ -75,14 +69,13 @@ def schema() -> dict[str, Any]:
         "additionalProperties": False,
     }
     properties["sweep"] = sweep_schema()
-    groups = {"type": "array", "items": {"type": "array", "items": {"type": "string"}, "minItems": 2}}
     together = "groups of paths whose tolerances are fully correlated"
+    groups = {"type": "array", "items": _NAMES, "description": together}
     named = {
         "enum": [*stored_model_errors(), None],
         "description": "validation whose model error is reported with the other uncertainties",
     }
-    keys = {CORRELATED_KEY: {**groups, "description": together}, MODEL: named}
-    properties[BLOCK] = mapping(keys, (), "", ["object", "null"])
+    properties[BLOCK] = mapping({CORRELATED_KEY: groups, MODEL: named}, (), "", ["object", "null"])
     return {
         "$schema": DRAFT,
         "title": "screwsim scene",
@@ -90,10 +83,7 @@ def schema() -> dict[str, Any]:
         "properties": properties,
         "additionalProperties": False,
         "anyOf": [{"required": ["base"]}, {"$ref": "#/$defs/complete"}],
-        "$defs": {
-            "complete": _complete(effects),
-            **axis_definitions(),
-        },
+        "$defs": {"complete": _complete(effects), **axis_definitions()},
     }
 
 

@@ -321,9 +321,8 @@ class Scene(Brief):
         """
         from screwsim.scene.load import changed_scene
 
-        return changed_scene(
-            self, {**(values or {}), **{name.replace("__", "."): value for name, value in more.items()}}
-        )
+        named = {name.replace("__", "."): value for name, value in more.items()}
+        return changed_scene(self, {**(values or {}), **named})
 
     def without(self, *effects: str) -> Scene:
         """Return this scene without some of its effects."""

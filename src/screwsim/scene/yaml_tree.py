@@ -133,8 +133,7 @@ def compose(text: str, start: Position, problems: LocatedFaults, path: str = "")
         problems.add(place, path, f"{what} (remove it, or save the file as plain text in UTF-8)")
         return None
     except YAMLError as error:
-        what = str(error).splitlines()[0]
-        problems.add(start, path, f"is not YAML: {what} (save the file as plain text)")
+        problems.add(start, path, f"is not YAML: {str(error).splitlines()[0]} (save the file as plain text)")
         return None
     except RecursionError:
         problems.add(start, path, _TOO_DEEP)
@@ -225,8 +224,7 @@ class _Converter:
     def value(self, node: Any, path: str) -> Any:
         tag = str(node.tag)
         if tag.removeprefix(_CORE) not in _KNOWN:
-            shown = tag.replace(_CORE, "!!")
-            what = f"has the tag {shown[:40]}, which a scene cannot have (remove it)"
+            what = f"has the tag {tag.replace(_CORE, '!!')[:40]}, which a scene cannot have (remove it)"
             self.problems.add(self.place(node), path, what)
         if isinstance(node, ScalarNode):
             text = self.text(node, path)
@@ -305,23 +303,18 @@ def child_of(node: Node | None, *keys: str) -> Node | None:
     return node
 
 
-def longest_key(mapping: dict[str, Node], path: str) -> tuple[str, str] | None:
-    """Return (key, rest) for the longest key that begins a dotted path; keys may contain dots themselves."""
-    keys = [key for key in mapping if path == key or path.startswith(key + ".")]
-    if not keys:
-        return None
-    key = max(keys, key=len)
-    return key, path[len(key) + 1 :]
-
-
 def locate(root: Node, path: str) -> tuple[Node, bool]:
-    """Return the node at a dotted path, or its nearest ancestor, and whether the path itself was found."""
+    """Return the node at a dotted path, or its nearest ancestor, and whether the path itself was found.
+
+    Keys may contain dots themselves: the longest that begins the path is followed.
+    """
     node = root
     while path:
-        found = longest_key(node.value, path) if isinstance(node.value, dict) else None
-        if found is None:
+        keys = node.value if isinstance(node.value, dict) else ()
+        key = max((each for each in keys if f"{path}.".startswith(f"{each}.")), key=len, default=None)
+        if key is None:
             return node, False
-        node, path = node.value[found[0]], found[1]
+        node, path = node.value[key], path[len(key) + 1 :]
     return node, True
 
 

@@ -13,13 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.build import (
-    Temperatures,
-    open_temperatures,
-    open_values,
-    temperature_faults,
-    with_temperatures,
-)
+from screwsim.build import Temperatures, open_temperatures, open_values, temperature_faults, with_temperatures
 from screwsim.cycle.close import close
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.guess import lease_for

@@ -218,8 +218,7 @@ class StartUpRun:
             raise Interrupted(so_far) from pressed
 
     def _run(self, told: Told) -> StartUp:
-        stays, target = 0, self.steady.mean_speed
-        unsettled = 0
+        stays, unsettled, target = 0, 0, self.steady.mean_speed
         while len(self.pitches) < MOST_PITCHES:
             try:
                 step = self.advance()
@@ -295,13 +294,7 @@ class StartUpRun:
         highest = int(np.argmax(np.abs(traces["coupling_torque"])))
         steady = float(np.mean(self.steady.coupling_torque))
         residual = motor - damped - gas - losses - stored
-        energies = {
-            "motor_work": motor,
-            "gas_work": gas,
-            "loss_work": losses,
-            "coupling_work": damped,
-            "stored": stored,
-        }
+        energy = {"motor_work": motor, "gas_work": gas, "loss_work": losses, "coupling_work": damped, "stored": stored}
         return Figures(
             time=float(m.time[-1]),
             turns=float(traces["angle"][-1]) / (2.0 * math.pi),
@@ -314,7 +307,7 @@ class StartUpRun:
             peak_over_steady=float(abs(traces["coupling_torque"][highest])) / abs(steady) if steady else None,
             twist_peak=float(np.max(np.abs(traces["twist"]))),
             motor_torque_peak=float(np.max(np.abs(traces["motor_torque"]))),
-            **(energies if whole else dict.fromkeys(energies)),  # unknown for a pitch in which the rotors stop
+            **(energy if whole else dict.fromkeys(energy)),  # unknown for a pitch in which the rotors stop
             residue=abs(residual) / max(abs(motor), abs(gas) + abs(losses)) if whole else None,
             unsettled=float(sum(not each.settled for each in self.pitches)),
         )

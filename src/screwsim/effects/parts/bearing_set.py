@@ -12,14 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from screwsim.effects.parts.bearing_life import (
-    MOST_SHARE,
-    TYPES,
-    equivalent_load,
-    life_of_set,
-    mean_load,
-    rating_life,
-)
+from screwsim.effects.parts.bearing_life import MOST_SHARE, TYPES, equivalent_load, life_of_set, mean_load, rating_life
 from screwsim.effects.parts.readings import Given
 from screwsim.inputs.declare import choice, number, optional, quantity
 from screwsim.inputs.faults import Fault

@@ -11,6 +11,7 @@ from typing import Any
 
 from screwsim.effects.base import NEIGHBOUR, Faults, FlowPath
 from screwsim.effects.parts import gap_flow
+from screwsim.effects.parts.gas_transport import declared_gas_viscosity
 from screwsim.inputs.declare import AREA, choice, file, number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.numerics.kernel import kernel
@@ -62,9 +63,7 @@ class ClearanceParameters(GapParameters):
         le=10.0,
         hardly=(None, 1.0),
     )
-    gas_viscosity: float | None = quantity(
-        "viscosity", "mu of the gas (default: from CoolProp)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4)
-    )
+    gas_viscosity: float | None = declared_gas_viscosity()
 
 
 @dataclass(frozen=True)

@@ -5,13 +5,20 @@ warmer of suction gas and injected oil.
 """
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 from screwsim.effects.base import Around
 from screwsim.fluid.transport import transport
+from screwsim.inputs.declare import quantity
 from screwsim.inputs.faults import Fault, UsageError
 
 GAS = ("gas_conductivity", "gas_viscosity", "prandtl")
 STATE = ("reference_pressure", "reference_temperature")
+
+
+def declared_gas_viscosity() -> Any:
+    """Declare the viscosity of the gas."""
+    return quantity("viscosity", "mu of the gas (default: from CoolProp)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4))
 
 
 def gas_numbers(parameters, around: Around, names: Sequence[str] = GAS) -> dict[str, float]:

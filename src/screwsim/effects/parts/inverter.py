@@ -105,14 +105,12 @@ def motor_share(constant_share: float, at: Turning) -> float:
     return constant_share * at.speed**IRON + (1.0 - constant_share) * at.torque**2
 
 
-def read_points(path: str) -> list[tuple[float, float, float]]:
+def read_points(path: str) -> list[tuple[float, ...]]:
     """Return (speed, current, loss [W]) of a maker's points; raise UsageError in one line where the file has none."""
-    with sheet_or_usage_error(f"name a CSV file with the columns {', '.join(COLUMNS)}"):
-        cells = read_sheet(path).columns(*COLUMNS)
-    try:
-        rows = [(float(speed), float(current), float(loss)) for _, (speed, current, loss) in cells]
-    except ValueError:
-        raise UsageError(f"has a cell that is not a number in the columns {', '.join(COLUMNS)} (write one)") from None
+    columns = f"the columns {', '.join(COLUMNS)}"
+    words = f"has a cell that is not a number in {columns} (write one)"
+    with sheet_or_usage_error(f"name a CSV file with {columns}"):
+        rows = read_sheet(path).numbers(*COLUMNS, words=words)
     if not all(0.0 <= f <= 2.0 and 0.0 <= i <= 2.0 and isfinite(w) and w > 0.0 for f, i, w in rows):
         raise UsageError(
             "has a speed or current outside 0 to 2, or a loss not above 0 (give shares, not percent, and W)"
@@ -120,7 +118,7 @@ def read_points(path: str) -> list[tuple[float, float, float]]:
     return rows
 
 
-def fitted(rows: list[tuple[float, float, float]]) -> tuple[float, float, float, float]:
+def fitted(rows: list[tuple[float, ...]]) -> tuple[float, float, float, float]:
     """Return the four terms that fit a maker's points best (M432); raise UsageError where they give no such law."""
     f, i, loss = np.array(rows).reshape(-1, 3).T
     terms = np.stack([np.ones_like(i), i, i * i, i * f], axis=1)

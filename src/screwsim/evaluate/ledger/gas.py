@@ -18,15 +18,7 @@ from screwsim.cycle import suction_line
 from screwsim.cycle.cycle_figures import chamber_end_pressure
 from screwsim.cycle.suction_line import Stream
 from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilSolution, Pulsation, SuctionChange, SuctionHeat
-from screwsim.evaluate.ledger.book import (
-    DISCHARGE_LINE,
-    SUCTION_LINE,
-    FlowEnd,
-    LedgerCycle,
-    Rows,
-    State,
-    exergy_over,
-)
+from screwsim.evaluate.ledger.book import DISCHARGE_LINE, SUCTION_LINE, FlowEnd, LedgerCycle, Rows, State, exergy_over
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model import ledger as kernels
 from screwsim.model import slots

@@ -61,9 +61,7 @@ def oil_rise(cycle: LedgerCycle, sums: OilSums, heats: Array, suction: State) ->
     for name, row in zip(c.heats, heats, strict=True):
         cycle.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
     lift = oil_lift(cycle.parts, known)
-    kept = sum(
-        float(part.kept(known)) for _, part in cycle.parts.all(PowerLoss) if part.kept is not None
-    )  # as pressure
+    kept = sum(float(one.kept(known)) for _, one in cycle.parts.all(PowerLoss) if one.kept is not None)  # as pressure
     cycle.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + kept)
     for name, part in cycle.parts.all(Pulsation):
         if part.to == DISCHARGE and not cycle.parts.oil_room:  # loss of the oil on its way to the line (M187)
@@ -158,7 +156,8 @@ def _carried(cycle: LedgerCycle, sums: OilSums) -> float:
     """Return the thermal exergy rise of carried oil [W]; enter its injection and what the suction line takes."""
     oil, (paths, ends, _, met) = cycle.oil, sums
     out, out_T = (-float(cycle.streams[slots.DISCHARGE_OUT, i]) * cycle.rate for i in (slots.OF_OIL, slots.OF_OIL_HEAT))
-    out_T -= out * cycle.problem.oil_pressure_term(cycle.lines.p_d)
+    pressed = cycle.problem.oil_pressure_term(cycle.lines.p_d)
+    out_T -= out * pressed
     back = float(cycle.streams[slots.DISCHARGE_IN, slots.OF_OIL]) * cycle.rate
     if out > 0.0:
         _mixing(cycle, paths, out_T / out)
@@ -176,9 +175,7 @@ def _carried(cycle: LedgerCycle, sums: OilSums) -> float:
             cycle.add(end.entry, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
     if not cycle.composition.ported:
         cycle.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
-    T_line = float(cycle.R[slots.R_DISCHARGE + slots.OIL_TEMPERATURE]) - cycle.problem.oil_pressure_term(
-        cycle.lines.p_d
-    )
+    T_line = float(cycle.R[slots.R_DISCHARGE + slots.OIL_TEMPERATURE]) - pressed
     rise = _thermal(cycle, *_mixed(out, out_T)) - _thermal(cycle, *_mixed(back, back * T_line)) - lost
     return rise if met is None else rise - _line(cycle, paths, met, T_line)
 

@@ -25,12 +25,9 @@ NOISE = 1e-3  # [rad] reversal of the contact, outside the tip, below which it i
 
 def read_profile(path: str) -> tuple[Array, Array]:
     """Return x and y [m] from a CSV file with the columns x_mm, y_mm; lines that begin with # are comments."""
+    words = "needs the columns x_mm and y_mm with a number in every row"
     with sheet_or_usage_error("name an existing CSV file", path):
-        rows = read_sheet(path).columns("x_mm", "y_mm")
-    try:
-        points = np.array([(float(x), float(y)) for _, (x, y) in rows])
-    except ValueError:
-        raise UsageError(f"{path}: needs the columns x_mm and y_mm with a number in every row") from None
+        points = np.array(read_sheet(path).numbers("x_mm", "y_mm", words=words))
     if len(points) < 20 or not np.isfinite(points).all():
         raise UsageError(f"{path}: has {len(points)} rows; a profile needs at least 20 finite points of one lobe")
     return points[:, 0] * 1e-3, points[:, 1] * 1e-3

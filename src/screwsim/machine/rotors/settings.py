@@ -22,27 +22,24 @@ _READS = {**_NEEDS, POINTS: ("file", "curve", "tolerance", "smoothing")}
 
 @dataclass(frozen=True)
 class Family:
-    """A kind of profile with its lobes, angles [rad], length over diameter, and other lengths over diameter by name."""
+    """A kind of profile with its lobes, other lengths over diameter by name, angles [rad], and length over diameter."""
 
     kind: str
     male_lobes: int
     female_lobes: int
-    wrap_angle: float
-    length: float
     shares: Mapping[str, float]
     pressure_angle: float | None = None
+    wrap_angle: float = math.radians(300.0)
+    length: float = 1.1
 
 
-_WRAP, _LENGTH = math.radians(300.0), 1.1
 _SAME_SIZE = {"centre_distance": 0.8, "female_diameter": 1.0, "female_tip_radius": 0.03}
 FAMILIES: dict[str, Family] = {
-    "a": Family("circular", 4, 6, _WRAP, _LENGTH, _SAME_SIZE),
+    "a": Family("circular", 4, 6, _SAME_SIZE),
     "b": Family(
         "rack",
         4,
         6,
-        _WRAP,
-        _LENGTH,
         {**_SAME_SIZE, "male_tip_radius": 0.01, "flank_radius": 0.22, "root_radius": 0.03},
         math.radians(35.0),
     ),
@@ -50,8 +47,6 @@ FAMILIES: dict[str, Family] = {
         "rack",
         5,
         6,
-        _WRAP,
-        _LENGTH,
         {
             "centre_distance": 0.73,
             "female_diameter": 0.86,
