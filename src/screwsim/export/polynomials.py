@@ -17,13 +17,7 @@ from screwsim.results import Results, open_results
 from screwsim.results.read import STAGES
 from screwsim.scene import Scene
 from screwsim.scene.operation import QUALITY, SUPERHEAT
-from screwsim.study.performance_map import (
-    FORMULA,
-    PerformanceMap,
-    conditions,
-    performance_maps,
-    temperature_paths,
-)
+from screwsim.study.performance_map import FORMULA, PerformanceMap, conditions, performance_maps, temperature_paths
 from screwsim.study.progress import Progress
 from screwsim.study.varied import Varied, names_of
 

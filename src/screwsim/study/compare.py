@@ -284,11 +284,7 @@ def _joined(a: Results, b: Results) -> tuple[Sides, dict[str, Array]]:
 
 
 def _change(
-    name: str,
-    sides: Sides,
-    ok: Array,
-    point: Callable[[int], dict[str, Any]],
-    tolerance: float,
+    name: str, sides: Sides, ok: Array, point: Callable[[int], dict[str, Any]], tolerance: float
 ) -> FigureChange | None:
     """Return the change of one figure; None where neither file has values of it at the common points."""
     a, b = (side.values(name) for side in sides)

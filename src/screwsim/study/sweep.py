@@ -138,12 +138,7 @@ def run_sweep(
 
 
 @checked_arguments()
-def sweep(
-    scene: SceneLike,
-    jobs: int | None = None,
-    progress: Progress | bool | None = None,
-    **options: Any,
-) -> Any:
+def sweep(scene: SceneLike, jobs: int | None = None, progress: Progress | bool | None = None, **options: Any) -> Any:
     """Return all figures of a scene's sweep in memory: an xarray.Dataset, or Results where xarray is missing.
 
         data = screwsim.sweep("study.yaml")

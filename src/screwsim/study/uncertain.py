@@ -116,11 +116,7 @@ class Uncertainty(Brief):
 
 @checked_arguments(result=instance(Result, "what simulate returned"))
 def uncertainty(
-    scene: SceneLike,
-    *,
-    result: Result | None = None,
-    jobs: int | None = 1,
-    progress: Progress | bool | None = None,
+    scene: SceneLike, *, result: Result | None = None, jobs: int | None = 1, progress: Progress | bool | None = None
 ) -> Uncertainty:
     """Return the uncertainty of each figure that follows from the tolerances of a scene's inputs.
 

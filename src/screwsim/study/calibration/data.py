@@ -152,11 +152,7 @@ def _starts(line: str) -> Iterator[int]:
 
 
 def _columns(
-    cells: list[tuple[str, Position]],
-    scene: Scene,
-    taken: Sequence[str],
-    problems: LocatedFaults,
-    candidates: bool,
+    cells: list[tuple[str, Position]], scene: Scene, taken: Sequence[str], problems: LocatedFaults, candidates: bool
 ) -> list[tuple[_Column, Position]]:
     found, refused = [], set()
     for cell, place in cells:

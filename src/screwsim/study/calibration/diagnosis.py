@@ -35,12 +35,7 @@ from screwsim.study.calibration.machine import (
     residual_shifts,
     unchanged_machine,
 )
-from screwsim.study.calibration.pair_likelihood import (
-    PairLikelihood,
-    additive_likelihood,
-    curves_of,
-    solved_pair,
-)
+from screwsim.study.calibration.pair_likelihood import PairLikelihood, additive_likelihood, curves_of, solved_pair
 from screwsim.study.calibration.profile import (
     LinearLikelihood,
     ProfileLikelihood,
