@@ -34,9 +34,7 @@ def posterior_with_predictions(
 ) -> Posterior:
     """Return the posterior of a fit, with predictions at points where there are any."""
     wide = posterior(found, jobs=jobs, progress=progress)
-    if not points:
-        return wide
-    return replace(wide, predictions=predict(wide, points, jobs=jobs, progress=progress))
+    return replace(wide, predictions=predict(wide, points, jobs=jobs, progress=progress)) if points else wide
 
 
 def known_figures(fit: Fit, points: Sequence[Point]) -> tuple[str, ...]:
