@@ -19,7 +19,7 @@ from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.diagnosis import MOST_PAIRS, diagnose
 from screwsim.study.calibration.fit import Parameter, Prior
 from screwsim.study.calibration.hypotheses import NO_CHANGE
-from screwsim.study.calibration.machine import unchanged_machine
+from screwsim.study.calibration.machine import unchanged_fit
 from screwsim.study.calibration.pair_likelihood import normal_about
 from screwsim.study.calibration.profile import LinearLikelihood, linear_likelihood, whitener
 
@@ -470,4 +470,4 @@ def test_what_is_found_with_the_cycle_states_no_unchanged_value(tmp_path):
     sought = Parameter(path, 270.0, 300.0, None, None, False, (), False)
     fit = replace(read_fit(written(tmp_path, points())), scene=auto, parameters=(sought,))
     with pytest.raises(UsageError, match=f"{path}: is not stated in the scene"):
-        unchanged_machine(fit)
+        unchanged_fit(fit, None)

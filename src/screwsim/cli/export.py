@@ -337,13 +337,10 @@ def _polynomial_errors(found: Polynomials) -> list[tuple[dict[str, float], list[
 def _print_polynomials_and_files(
     document: dict, figures: Sequence[str], rows: list, files: list[str], as_json: bool
 ) -> int:
-    from screwsim.printing import print_json
     from screwsim.printing.export import print_polynomials
 
-    if as_json:
-        print_json({**document, "files": files})
-    else:
-        print_polynomials(document, figures, rows, files)
+    whole = {**document, "files": files}
+    print_document_or_text(as_json, lambda *_: whole, print_polynomials, document, figures, rows, files)
     return OK
 
 

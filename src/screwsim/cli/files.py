@@ -60,9 +60,8 @@ def plot(
         raise UsageError(f"{results_file}: holds two stages, and --measured needs the results of one machine ({alone})")
     trace = chosen_trace(results)
     if trace is None:
-        raise UsageError(
-            f"{results_file}: holds no cycle to compare (run stores one; a sweep does with output.keep: cycle)"
-        )
+        remedy = "run stores one; a sweep does with output.keep: cycle"
+        raise UsageError(f"{results_file}: holds no cycle to compare ({remedy})")
     points = at_angles(read, trace)
     files = drawn(results_file, folder, points)
     say(wrapped(deviation_in_words(points, trace)))

@@ -107,9 +107,9 @@ def datasheet(
 ) -> int:
     """Rate a machine, or two stages, over operating states, at part load and within limits; air by ISO 1217."""
     rated = options.loaded_scene_or_stages(scene_file, "rate", overrides, without)
-    if output is not None:
-        from screwsim.report.datasheet import check_sheet
+    from screwsim.report.datasheet import check_sheet, write_sheet
 
+    if output is not None:
         check_sheet(output)
     from screwsim.printing.machine import print_sheet
     from screwsim.study.datasheet import RANGE_OPTIONS, SheetOptions, sheet_of
@@ -119,7 +119,5 @@ def datasheet(
         sheet = sheet_of(rated, SheetOptions(ranges, limits or (), heating, profile, jobs, shown))
     options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
     if output is not None:
-        from screwsim.report.datasheet import write_sheet
-
         options.print_files([write_sheet(sheet, output)], as_json)
     return OK if sheet.ok else NOT_ALL_OK

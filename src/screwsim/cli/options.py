@@ -116,9 +116,8 @@ def check_results(output: Path) -> None:
         good = output.with_suffix(RESULTS[0])
         also = "; screwsim report makes a page of it" if output.suffix.lower() in PAGES else ""
         also = "; screwsim export cases makes a table of it" if output.suffix.lower() == ".csv" else also
-        raise UsageError(
-            f"-o {output}: results are HDF5, so the name must end in {', '.join(RESULTS)} (write -o {good}{also})"
-        )
+        what = f"results are HDF5, so the name must end in {', '.join(RESULTS)}"
+        raise UsageError(f"-o {output}: {what} (write -o {good}{also})")
     if output.is_dir():
         raise UsageError(f"-o {output}: is a folder (name a file in it, e.g. -o {output / 'out.h5'})")
     _check_writable(output)
@@ -155,9 +154,8 @@ def check_page(output: Path) -> None:
     protect_unmarked(output, PAGE)
     if output.suffix.lower() not in PAGES:
         good = output.with_suffix(PAGES[0])
-        raise UsageError(
-            f"-o {output}: a page is written, so the name must end in {' or '.join(PAGES)} (write -o {good})"
-        )
+        what = f"a page is written, so the name must end in {' or '.join(PAGES)}"
+        raise UsageError(f"-o {output}: {what} (write -o {good})")
     _check_writable(output)
 
 

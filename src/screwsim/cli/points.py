@@ -224,9 +224,8 @@ def _sweep_stages(
     as_results = place.suffix.lower() in options.RESULTS
     if not as_results and place.suffix.lower() not in SHEETS:
         good = ", ".join(str(place.with_suffix(ending)) for ending in (".h5", *SHEETS))
-        raise UsageError(
-            f"-o {place}: points of two stages are results, a table, a page or a PDF (write one of {good})"
-        )
+        what = "points of two stages are results, a table, a page or a PDF"
+        raise UsageError(f"-o {place}: {what} (write one of {good})")
     if as_results:
         _report_ignored_output(file, chain)
         options.check_results(place)

@@ -175,9 +175,8 @@ def _local_sensitivity(
 
     if output is not None and output.suffix.lower() == ".h5":
         if not isinstance(scene, Scene):
-            raise UsageError(
-                f"-o {output}: derivatives of two stages are a table (write -o {output.with_suffix('.csv')})"
-            )
+            good = output.with_suffix(".csv")
+            raise UsageError(f"-o {output}: derivatives of two stages are a table (write -o {good})")
         options.check_place(output)
     else:
         options.check_columns(output, "local sensitivities", "figure", "path", "number", "derivative")

@@ -143,9 +143,8 @@ def _section_or_effect(scene: Scene, name: str, known: dict[str, Effect], kind: 
 def _effect(name: str, known: dict[str, Effect], kind: str) -> Effect:
     """Return an effect of that machine, or one of one's own; raise UsageError for others."""
     if name not in known and name in catalogue():
-        raise UsageError(
-            f"--parameters {name}: is not an effect of a {kind} (screwsim explain lists the possible ones)"
-        )
+        remedy = "screwsim explain lists the possible ones"
+        raise UsageError(f"--parameters {name}: is not an effect of a {kind} ({remedy})")
     if name not in known and "." not in name:
         raise UsageError(f"--parameters {name}: {unknown_key(name, [*SECTIONS, *known])}")
     try:

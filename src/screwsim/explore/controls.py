@@ -62,9 +62,9 @@ def document(base: SceneArguments) -> dict[str, Any]:
     scene = base.scene
     every = possible_effects(scene)
     leaves = {path: leaf for path, leaf in changeable_fields(scene, every).items() if path not in OMITTED_PATHS}
-    controls = {
-        path: control(path, leaf, value_at(scene, path), _is_needed(scene, path, leaf)) for path, leaf in leaves.items()
-    }
+    controls = {}
+    for path, leaf in leaves.items():
+        controls[path] = control(path, leaf, value_at(scene, path), _is_needed(scene, path, leaf))
     for path in scene.uncertain.keys() & controls.keys():
         controls[path]["tolerance"] = _tolerance(leaves[path], value_at(scene, path), scene.uncertain[path])
     below = {name: [each for path, each in controls.items() if _is_below(path, name)] for name in GROUPS}

@@ -106,9 +106,8 @@ def answer_job(named: tuple[str, tuple[str, ...]], job: Job) -> bytes:
     except SceneError as error:
         # path and fault only, as a page has neither file nor line
         matches = (re.search(rf"(?:^|: )((?:{'|'.join(SECTIONS)})(?:\.[\w.]+)?): (.*)$", line) for line in error.lines)
-        faults = [
-            [match[1], match[2]] if match else ["", line] for match, line in zip(matches, error.lines, strict=True)
-        ]
+        found = zip(matches, error.lines, strict=True)
+        faults = [[match[1], match[2]] if match else ["", line] for match, line in found]
         text = "\n".join(": ".join(filter(None, fault)) for fault in faults)
         return answer.refused_answer(text, {**job.tag, "faults": faults})
     except (Refused, UsageError) as error:
@@ -129,10 +128,9 @@ def _point(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -
         "yaml": yaml_text(base, overrides),
     }
     key = f"{zlib.crc32(repr(scene.machine).encode()):08x}"  # a short text that differs between machines
-    machine = {} if key == job.machine else {"machine": _drawn(scene.machine)}
-    return answer.result_answer(
-        simulate(scene), {**job.tag, "texts": text, "machine_key": key, "process": os.getpid(), **machine}
-    )
+    about = {**job.tag, "texts": text, "machine_key": key, "process": os.getpid()}
+    about |= {} if key == job.machine else {"machine": _drawn(scene.machine)}
+    return answer.result_answer(simulate(scene), about)
 
 
 def _curve(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) -> bytes:

@@ -67,10 +67,8 @@ def other_convention(found: Polynomials) -> str:
         return ""
     blend = f"{found.fluid}.mix"
     remedy = f"write gas.fluid: {blend}" if is_blend(blend) else "add it to compare"
-    what = (
-        f"EN 12900 and AHRI 540 state the dew point in the condenser, of {found.fluid} {glide:.2g} K above the bubble"
-    )
-    return f"{what} point that D is here ({remedy})"
+    above = f"of {found.fluid} {glide:.2g} K above the bubble point that D is here"
+    return f"EN 12900 and AHRI 540 state the dew point in the condenser, {above} ({remedy})"
 
 
 def _envelope(one: PerformanceMap, ip: bool) -> list[list[float]]:
@@ -143,9 +141,8 @@ def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
                 "largest_error": fit.largest,
                 "left_out_error": fit.left_out,
             }
-        maps.append(
-            {"at": {k: float(v) for k, v in one.values.items()}, "figures": figures, "envelope": _envelope(one, ip)}
-        )
+        at = {path: float(value) for path, value in one.values.items()}
+        maps.append({"at": at, "figures": figures, "envelope": _envelope(one, ip)})
     said = document(found)
     if ip:
         said |= {key: said[key].replace("degC", "degF") for key in ("S", "D")}

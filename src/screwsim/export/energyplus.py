@@ -99,7 +99,6 @@ def notes(found: Polynomials) -> list[str]:
         over = "/".join(f"{T:g}" for T in rated_temperatures(one))
         lines.append(f"{found.name(one) or 'map'}: largest errors of the cubics: {errors}")
         off = " and ".join(f"{100 * error:.2g} %" for _, error in normalised(one, rated_temperatures(one)).values())
-        lines.append(
-            f"CAPFT, EIRFT: capacity, power per capacity relative to those at {over} deg C; off by {off} at most"
-        )
+        relative = f"capacity, power per capacity relative to those at {over} deg C"
+        lines.append(f"CAPFT, EIRFT: {relative}; off by {off} at most")
     return lines

@@ -113,9 +113,8 @@ def compile_shared(sources: dict[str, str], names: tuple[str, ...], ending: str)
             Path(folder, file).write_text(text, encoding="utf-8")
         options = ["-std=c99", "-O2", "-shared", "-fPIC", "-fvisibility=hidden"]
         target = f"unit.{ending}"
-        done = subprocess.run(
-            [command, *options, "-o", target, *names, "-lm"], cwd=folder, capture_output=True, text=True, check=False
-        )
+        call = [command, *options, "-o", target, *names, "-lm"]
+        done = subprocess.run(call, cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode:
             said = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr.strip()[:200])
             raise UsageError(f"{command} cannot compile the map: {said} (name another compiler in the variable CC)")
@@ -220,10 +219,8 @@ def _parts2(table: MapTable) -> tuple[str, str, list[str], str]:
     for kind, head, number in _variables(table):
         head += ' variability="continuous"' if number else ""
         variables.append(f"    <ScalarVariable {head}><{kind or 'Real'}{number}/></ScalarVariable>")
-    places = " ".join(str(i) for i in range(1, count + 1))
-    unknowns = "\n".join(
-        f'      <Unknown index="{i}" dependencies="{places}"/>' for i in range(count + 1, count + outputs + 3)
-    )
+    places, of = " ".join(str(i) for i in range(1, count + 1)), range(count + 1, count + outputs + 3)
+    unknowns = "\n".join(f'      <Unknown index="{i}" dependencies="{places}"/>' for i in of)
     files = "".join(f'<File name="{file}"/>' for file in SOURCES["2"])
     simulation = f"""canGetAndSetFMUstate="true"
       canSerializeFMUstate="true" canNotUseMemoryManagementFunctions="true" providesDirectionalDerivative="true">
@@ -314,9 +311,8 @@ def data_header(table: MapTable, version: str = "2") -> str:
     )
     names = " ".join(each.name for each in (*table.inputs, *table.outputs))
     token = uuid.UUID(bytes=hashlib.sha256(f"{version} {names} {body}".encode()).digest()[:16])
-    return (
-        f'/* Made by screwsim: values and derivatives at the nodes of a grid. */\n#define MAP_TOKEN "{token}"\n{body}\n'
-    )
+    head = "/* Made by screwsim: values and derivatives at the nodes of a grid. */"
+    return f'{head}\n#define MAP_TOKEN "{token}"\n{body}\n'
 
 
 def source_files(table: MapTable, version: str) -> dict[str, str]:

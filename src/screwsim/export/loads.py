@@ -231,9 +231,8 @@ def mesh(surface: Surface, pressures: Pressures, along: int = CELLS_ALONG) -> tu
     turned = lobe - surface.turns * (z / rotors.h)[None, None, :]
     x, y = surface.x[None, :, None], surface.y[None, :, None]
     c, s = np.cos(turned), np.sin(turned)
-    points = np.stack(
-        [c * x - s * y, s * x + c * y, np.broadcast_to(z, (*turned.shape[:1], len(surface.x), len(z)))], -1
-    )
+    axial = np.broadcast_to(z, (*turned.shape[:1], len(surface.x), len(z)))
+    points = np.stack([c * x - s * y, s * x + c * y, axial], -1)
     number = np.arange(points[..., 0].size).reshape(points.shape[:3])
     corners = (number[:, :-1, :-1], number[:, 1:, :-1], number[:, 1:, 1:], number[:, :-1, 1:])
     return points.reshape(-1, 3), np.stack([corner.ravel() for corner in corners], -1)

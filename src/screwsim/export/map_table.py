@@ -61,9 +61,7 @@ class MapTable(Brief):
     def __call__(self, x: Array) -> tuple[Array, Array]:
         """Return the outputs [SI] at inputs (n, inputs) [SI], and whether each point is inside."""
         x = np.atleast_2d(np.asarray(x, float))
-        clipped = np.column_stack(
-            [np.clip(x[:, i], variable.low, variable.high) for i, variable in enumerate(self.inputs)]
-        )
+        clipped = np.column_stack([np.clip(x[:, i], one.low, one.high) for i, one in enumerate(self.inputs)])
         outside = np.any(np.abs(x - clipped) > 1e-9 * np.abs(clipped), axis=1)
         u = np.column_stack([variable.coordinate(clipped[:, i]) for i, variable in enumerate(self.inputs)])
         values, inside = evaluate(self.grid, u)
@@ -82,15 +80,12 @@ class MapTable(Brief):
             spread = np.broadcast_arrays(*columns)
         except ValueError:
             sizes = ", ".join(f"{one.name} {column.shape}" for one, column in zip(self.inputs, columns, strict=True))
-            raise UsageError(
-                f"the shapes of the inputs differ: {sizes} (pass arrays of one shape, or numbers)"
-            ) from None
+            what = f"the shapes of the inputs differ: {sizes}"
+            raise UsageError(f"{what} (pass arrays of one shape, or numbers)") from None
         values, inside = self(np.column_stack([column.ravel() for column in spread]))
-        shape, hidden = spread[0].shape, ~inside
-        names = [output.name for output in self.outputs]
-        return {
-            name: np.ma.array(values[:, i].reshape(shape), mask=hidden.reshape(shape)) for i, name in enumerate(names)
-        }
+        shape = spread[0].shape
+        named, hidden = zip(self.outputs, values.T, strict=True), ~inside.reshape(shape)
+        return {output.name: np.ma.array(column.reshape(shape), mask=hidden) for output, column in named}
 
     def _given(self, inputs: Mapping[str, Any]) -> dict[str, Any]:
         """Return the given inputs in the order of the map's; raise UsageError for an unknown or a missing one."""
@@ -127,10 +122,8 @@ class MapTable(Brief):
             [output.name, unit_after_number(output.units).strip(), f"{error:.2g}", output.long_name]
             for output, error in zip(self.outputs, self.errors, strict=True)
         ]
-        said = [f"errors: {self.how}", *self.warnings_told()]
-        return About(
-            f"Map: {self.title or 'compressor'}", [*notes, *said], ["figure", "unit", "error", "meaning"], rows
-        )
+        notes += [f"errors: {self.how}", *self.warnings_told()]
+        return About(f"Map: {self.title or 'compressor'}", notes, ["figure", "unit", "error", "meaning"], rows)
 
 
 def _numbers(name: str, value: Any) -> Array:
@@ -138,6 +131,5 @@ def _numbers(name: str, value: Any) -> Array:
     try:
         return np.asarray(np.ma.filled(np.ma.asarray(value, float), np.nan))
     except (TypeError, ValueError):
-        raise UsageError(
-            f"{name}: {shown(value)} is neither a number nor an array of them (pass values in SI)"
-        ) from None
+        what = f"{shown(value)} is neither a number nor an array of them"
+        raise UsageError(f"{name}: {what} (pass values in SI)") from None

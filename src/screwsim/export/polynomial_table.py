@@ -50,10 +50,8 @@ def check_inputs(inputs: Sequence[Input]) -> tuple[str, str]:
     both = temperature_paths(any(path.startswith(STAGE_NAMES) for path in paths))
     missing = [path for path in both if path not in paths]
     if missing:
-        absent = " and ".join(missing)
-        raise UsageError(
-            f"no polynomials: they need {absent}, over which the map does not run (name ranges with --over)"
-        )
+        what = f"they need {' and '.join(missing)}, over which the map does not run"
+        raise UsageError(f"no polynomials: {what} (name ranges with --over)")
     return both
 
 

@@ -110,9 +110,8 @@ def map_of_scene(
     asked = DEFAULT_ERROR if wanted is None else wanted
     if not accuracy_of(scene) < asked < 1.0:
         what = f"is not between the scene's numerics.accuracy {accuracy_of(scene):g} and 1"
-        raise UsageError(
-            f"{dashes}error {asked:g}: {what} (a map cannot be more accurate than the solutions it is made from)"
-        )
+        why = "a map cannot be more accurate than the solutions it is made from"
+        raise UsageError(f"{dashes}error {asked:g}: {what} ({why})")
     inputs, outputs = read_inputs(scene, over, f"{dashes}over"), read_outputs(scene, figures or (), f"{dashes}figure")
     if told is not None:
         told(scene, inputs)

@@ -187,13 +187,10 @@ def _drawn_check_points(inputs: Sequence[Input]) -> Array:
     from scipy.stats import qmc
 
     shares = qmc.Sobol(len(inputs), rng=1).random(CHECK_POINTS)
-    ends = [
-        (float(variable.coordinate(variable.low)), float(variable.coordinate(variable.high))) for variable in inputs
-    ]
-    columns = [
-        variable.at(low + share * (high - low))
-        for variable, (low, high), share in zip(inputs, ends, shares.T, strict=True)
-    ]
+    columns = []
+    for one, share in zip(inputs, shares.T, strict=True):
+        low, high = float(one.coordinate(one.low)), float(one.coordinate(one.high))
+        columns.append(one.at(low + share * (high - low)))
     return np.column_stack(columns)
 
 
@@ -281,11 +278,9 @@ class _Solver:
 
     def grid(self, inputs: Sequence[Input], nodes: Sequence[Array]) -> tuple[Array, Array]:
         """Return values (nodes …, outputs) and which nodes closed."""
-        each = [variable.swept(variable.at(u)) for variable, u in zip(inputs, nodes, strict=True)]
-        sweep = {path: values for one in each for path, values in one.items()}
-        joints = tuple(
-            Joint(variable.name, tuple(one)) for variable, one in zip(inputs, each, strict=True) if len(one) > 1
-        )
+        each = {variable.name: variable.swept(variable.at(u)) for variable, u in zip(inputs, nodes, strict=True)}
+        sweep = {path: values for one in each.values() for path, values in one.items()}
+        joints = tuple(Joint(name, tuple(one)) for name, one in each.items() if len(one) > 1)
         return self._swept(replace(self.scene, sweep=sweep, joints=joints), tuple(map(len, nodes)))
 
     def points(self, inputs: Sequence[Input], points: Array) -> tuple[Array, Array]:

@@ -27,9 +27,7 @@ from screwsim.study.inputs import in_customary, shown_number, shown_value
 from screwsim.study.scene_files import FITTED_LINE, fitted_text
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
-_ABOUT_TOLERANCES = (
-    f"{TOLERANCE_REMEDY}: taken as half of a 95 % interval, two standard deviations (prior: none omits it)"
-)
+_HALF_INTERVAL = "taken as half of a 95 % interval, two standard deviations (prior: none omits it)"
 
 
 def calibration_document(found: Calibration) -> dict[str, Any]:
@@ -122,7 +120,7 @@ def print_calibration(found: Calibration) -> None:
         rows = [[*row, cell] for row, cell in zip(rows, tolerances, strict=True)]
     print_table(heads, rows, 1)
     if any(tolerances):
-        say(wrapped(_ABOUT_TOLERANCES))
+        say(wrapped(f"{TOLERANCE_REMEDY}: {_HALF_INTERVAL}"))
     for group in found.fit.together:
         paths = ", ".join(found.fit.parameters[i].path for i in group)
         say(wrapped(f"too large or too small together, by the scene's uncertainty.correlated: {paths}"))

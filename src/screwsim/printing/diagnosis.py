@@ -53,9 +53,8 @@ def print_diagnosis(found: Diagnosis) -> None:
     points = fit.fitted
     figures = sum(len(point.measured) for point in points)
     count = f"{len(points)} points, {figures} measured figures, {found.solutions} solutions"
-    say(
-        wrapped(f"{Path(fit.scene_file).name}; {count}" + (f", {found.failed} without figures" if found.failed else ""))
-    )
+    count += f", {found.failed} without figures" if found.failed else ""
+    say(wrapped(f"{Path(fit.scene_file).name}; {count}"))
     print_left_out(found.reasons)
     if not found.hypotheses:
         say(wrapped(f"{found.status}: {found.message}"))

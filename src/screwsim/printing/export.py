@@ -50,12 +50,10 @@ def _open_nodes(table: MapTable) -> str:
     return f"; {nodes} of {table.grid.sound.size} without a closed cycle, flagged as not valid{where}{why}"
 
 
-def print_polynomials(
-    document: Mapping[str, Any],
-    figures: Sequence[str],
-    rows: Sequence[tuple[Mapping[str, float], Sequence[float]]],
-    files: Sequence[str],
-) -> None:
+Errors = Sequence[tuple[Mapping[str, float], Sequence[float]]]  # values of the other axes, errors of the figures
+
+
+def print_polynomials(document: Mapping[str, Any], figures: Sequence[str], rows: Errors, files: Sequence[str]) -> None:
     """Print the largest error of each polynomial, one row per map, and the files."""
     say(wrapped(f"{document['title']} ({document['fluid']})"))
     body = [

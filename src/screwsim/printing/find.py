@@ -183,7 +183,6 @@ def write_find(path: Path, scene: Varied, asked: Question, rows: Sequence[GoalSe
     columns["solutions"] = Column([row.solutions for row in rows], "1", "number of solutions")
     columns["failed_solutions"] = Column([row.failed for row in rows], "1", "number of solutions without the figures")
     columns["status"] = Column([row.status for row in rows], "", "ok, none (in the ranges), or failed")
-    columns["message"] = Column(
-        [row.message for row in rows], "", "how close the search came, and why solutions failed"
-    )
+    messages = [row.message for row in rows]
+    columns["message"] = Column(messages, "", "how close the search came, and why solutions failed")
     write_columns(path, "goal seek", columns)

@@ -37,12 +37,11 @@ def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
 
 def _row(result: Result, row: ComparedFigure) -> list[str]:
     factor, unit, zero = reading_unit(declared(row.figure, result.performance), row.value)
-    measured = f"{factor * row.measured.value - zero:.5g}"
+    value = row.measured.value
+    measured = f"{factor * value - zero:.5g}"
     if row.measured.standard is not None:
         measured += f" ± {factor * COVERAGE * row.measured.standard:.2g}"
-    share = (
-        f" ({100.0 * row.off / row.measured.value:+.2g} %)" if row.measured.value and unit not in ("%", "°C") else ""
-    )
+    share = f" ({100.0 * row.off / value:+.2g} %)" if value and unit not in ("%", "°C") else ""
     sigma = "–" if row.sigma is None else f"{row.sigma:+.1f}"
     ours = f"{factor * row.value - zero:.5g}"
     return [shown_name(row.figure), ours, measured, unit, f"{factor * row.off:+.3g}{share}", sigma]

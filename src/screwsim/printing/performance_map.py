@@ -80,11 +80,10 @@ def _print_map(results: Results, one: PerformanceMap) -> None:
     if one.message:
         say(wrapped(f"no map: {one.message}"))
         return
-    rows = [
-        [name, *(f"{fit.coefficients[i]:.9e}" for fit in one.fits.values())] for i, name in enumerate(COEFFICIENT_NAMES)
-    ]
+    fits = one.fits.values()
+    rows = [[name, *(f"{fit.coefficients[i]:.9e}" for fit in fits)] for i, name in enumerate(COEFFICIENT_NAMES)]
     for label, name in (("largest error", "largest"), ("rms error", "rms"), ("left-out error", "left_out")):
-        found = (getattr(fit, name) for fit in one.fits.values())
+        found = (getattr(fit, name) for fit in fits)
         rows.append([label, *("" if value is None else f"{100.0 * value:.2g} %" for value in found)])
     heads = ["", *(f"{shown_name(figure)} [{results.figure(figure).units}]" for figure in one.fits)]
     print_table(heads, rows, 1)

@@ -59,10 +59,8 @@ def print_plan(found: Plan) -> None:
     rows = [[f"{i}", step.point.name, f"{step.gain:.3f}"] for i, step in enumerate(found.steps, 1)]
     print_table(["", "measure next", "gain"], rows, 2)
     say()
-    shown = (
-        found.steps if len(found.steps) <= MOST_DEVIATIONS else (*found.steps[: MOST_DEVIATIONS - 1], found.steps[-1])
-    )
-    numbers = [*range(1, len(shown)), len(found.steps)]
+    numbers = [*range(1, min(len(found.steps), MOST_DEVIATIONS)), len(found.steps)]
+    shown = [found.steps[number - 1] for number in numbers]
     heads = ["standard deviation", "now", *(f"with {number}" for number in numbers), "", "less by"]
     rows = [_row(found, i, [found.before, *(each.deviations for each in shown)]) for i in range(len(fit.parameters))]
     print_table(heads, rows, 1)

@@ -55,12 +55,10 @@ def posterior_document(found: Posterior) -> dict[str, Any]:
 
 
 def _predictions(found: Predictions) -> dict[str, Any]:
-    conditions = {point.name: dict(point.values) for point in found.points}
+    at = {point.name: {"conditions": dict(point.values)} for point in found.points}
     return {
         **picked(found, "status", "message"),
-        "points": [
-            each.__dict__ | {"inside": each.inside, "conditions": conditions[each.point]} for each in found.figures
-        ],
+        "points": [each.__dict__ | {"inside": each.inside} | at[each.point] for each in found.figures],
         **picked(found, points_without_solution="reasons", **QUALITY),
     }
 

@@ -109,9 +109,7 @@ def local_document(scene: Varied, found: Sensitivities) -> dict[str, Any]:
         "performance": {name: found.result.performance[name] for name in found.derivatives},
         **picked(found, "method", "why", "left_out"),
         "derivatives": {name: dict(slopes) for name, slopes in found.derivatives.items()},
-        "relative": {
-            name: {path: found.relative(name, path) for path in slopes} for name, slopes in found.derivatives.items()
-        },
+        "relative": {name: {path: found.relative(name, path) for path in by} for name, by in found.derivatives.items()},
     }
 
 
@@ -196,14 +194,13 @@ def write_local(path: Path, scene: Varied, found: Sensitivities) -> None:
         return
     rows = [(figure, number, slope) for figure, slopes in found.derivatives.items() for number, slope in slopes.items()]
     performance = found.result.performance
+    meaning = "derivative of the figure by the number, SI unit over SI unit"
     columns = {
         "figure": Column([figure for figure, _, _ in rows], "", "figure"),
         "path": Column([number for _, number, _ in rows], "", "number of the scene"),
         "value": Column([performance[figure] for figure, _, _ in rows], "1", "the figure, SI unit"),
         "number": Column([found.values[number] for _, number, _ in rows], "1", "the number, SI unit"),
-        "derivative": Column(
-            [slope for _, _, slope in rows], "1", "derivative of the figure by the number, SI unit over SI unit"
-        ),
+        "derivative": Column([slope for _, _, slope in rows], "1", meaning),
         "relative": Column([found.relative(figure, number) for figure, number, _ in rows], "1", "percent per percent"),
         "method": Column([found.method[number] for _, number, _ in rows], "", "exact, quick, or differences"),
     }

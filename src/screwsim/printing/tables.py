@@ -41,10 +41,9 @@ def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int =
         if left and len(row[0]) > widths[0]:
             lines.append(row[0])
             row = ["", *row[1:]]
-        cells = (
-            cell.ljust(w) if i < left else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths, strict=True))
-        )
-        lines.append(gap.join(cells).rstrip())
+        cells = enumerate(zip(row, widths, strict=True))
+        padded = (cell.ljust(width) if i < left else cell.rjust(width) for i, (cell, width) in cells)
+        lines.append(gap.join(padded).rstrip())
     return lines
 
 

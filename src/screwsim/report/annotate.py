@@ -59,16 +59,10 @@ def _label_ends(axes: Any, ends: Sequence[Point], texts: Sequence[str]) -> None:
     stride = 1 + max(int((len(ends) - 1) * gap / (high - low)), (len(ends) - 1) // _MOST)
     kept = range(0, len(ends), stride)
     heights = (axes.transData.transform([ends[i] for i in kept])[:, 1] - box.y0) / box.height
+    leader = _LEADER | {"relpos": (0.0, 0.5)}  # from the text's left edge
+    look = {"textcoords": "axes fraction", "va": "center", "fontsize": SMALL, "arrowprops": leader}
     for i, height in zip(kept, spread(heights, gap, low, high), strict=True):
-        axes.annotate(
-            texts[i],
-            xy=ends[i],
-            xytext=(1.045, height),
-            textcoords="axes fraction",
-            va="center",
-            fontsize=SMALL,
-            arrowprops=_LEADER | {"relpos": (0.0, 0.5)},  # from the text's left edge
-        )
+        axes.annotate(texts[i], ends[i], (1.045, height), **look)
 
 
 def label_along(axes: Any, x: np.ndarray, y: np.ndarray, texts: Sequence[str]) -> None:
@@ -101,17 +95,10 @@ def _label_one(axes: Any, xy: Point, text: str, path: np.ndarray, taken: list[An
 
     frame = axes.get_window_extent()
     for distance in (3.5, 7.0, 11.0, 16.0):
+        look = {"textcoords": "offset points", "fontsize": SMALL, "arrowprops": _LEADER if distance > _LOOSE else None}
         for right, up in ways:
-            label = axes.annotate(
-                text,
-                xy,
-                xytext=(right * distance, up * distance),
-                textcoords="offset points",
-                ha=("right", "center", "left")[right + 1],
-                va=("top", "center", "bottom")[up + 1],
-                fontsize=SMALL,
-                arrowprops=_LEADER if distance > _LOOSE else None,
-            )
+            sides = {"ha": ("right", "center", "left")[right + 1], "va": ("top", "center", "bottom")[up + 1]}
+            label = axes.annotate(text, xy, (right * distance, up * distance), **look, **sides)
             label.get_window_extent()  # puts it in place
             box = Text.get_window_extent(label)  # without the leader
             if _free(box, frame, path, taken, axes.figure.dpi / 72.0):

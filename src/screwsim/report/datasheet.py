@@ -78,9 +78,8 @@ def _side_by_side(name: str, parts: Sequence[str]) -> str:
 
 def _table(table: Any) -> str:
     kinds = ["" if i < table.left else ' class="n"' for i in range(len(table.heads))]
-    named = (
-        table.heads if sum(map(len, table.heads)) < LONG_HEADS else [head.replace("\xa0", " ") for head in table.heads]
-    )
+    short = sum(map(len, table.heads)) < LONG_HEADS
+    named = table.heads if short else [head.replace("\xa0", " ") for head in table.heads]
     heads = "".join(
         f'<th scope="col"{kind}>{escape(head.replace("/ (", "/("))}</th>'
         for kind, head in zip(kinds, named, strict=True)

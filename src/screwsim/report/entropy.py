@@ -122,10 +122,8 @@ def entropies(trace: Trace, scene: Scene) -> Entropies:
     states = zip(T[there].tolist(), (mass[there] / room[there]).tolist(), strict=True)
     s[there] = [kernel_value(gas, gas.specific_entropy, *state) for state in states]
     start = s[int(np.nanargmax(np.where(np.isfinite(s), room, -np.inf)))]
-    low, high = float(np.min(T[there])), float(np.max(T[there]))
-    isobars = {
-        symbol: _isobar(gas, p, gas.nearest_vapour(p, low), high, start) for symbol, p in trace.pressures.items()
-    }
+    low, high, lines = float(np.min(T[there])), float(np.max(T[there])), trace.pressures.items()
+    isobars = {symbol: _isobar(gas, p, gas.nearest_vapour(p, low), high, start) for symbol, p in lines}
     return Entropies(s - start, isobars, _dew(gas, low, high, start) if isinstance(gas, RealGas) else None)
 
 

@@ -106,15 +106,8 @@ def _guides(axes: Any, study: Any) -> None:
         if level is None or not level > 0.0:
             continue
         axes.axhline(level, color=GREY, linewidth=0.6, linestyle=(0, (2, 2)), zorder=0)
-        axes.annotate(
-            text,
-            (float(side == "right"), level),
-            xycoords=("axes fraction", "data"),
-            xytext=(-3 if side == "right" else 3, 2),
-            textcoords="offset points",
-            ha=side,
-            color=GREY,
-            fontsize=6.5,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.85},
-            zorder=2,
-        )
+        place, way = (1.0, -3) if side == "right" else (0.0, 3)
+        box = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.85}
+        look = {"ha": side, "color": GREY, "fontsize": 6.5, "bbox": box, "zorder": 2}
+        at = {"xycoords": ("axes fraction", "data"), "xytext": (way, 2), "textcoords": "offset points"}
+        axes.annotate(text, (place, level), **at, **look)

@@ -123,10 +123,9 @@ def _family(results: Results, x: int, by_fluid: bool = True) -> Family:
     axes = results.axis_list
     others = [i for i, axis in enumerate(axes) if i != x and len(axis.values) > 1]
     lengths = [len(axis.values) if i in others else 0 for i, axis in enumerate(axes)]
-    told_apart = next((i for i in others if by_fluid and axes[i].path == FLUID), None)  # all fluids in one figure
-    return Family(
-        results, x, told_apart if told_apart is not None else _preferred(axes, lengths, SPEED) if others else None
-    )
+    usual = _preferred(axes, lengths, SPEED) if others else None
+    by = next((i for i in others if by_fluid and axes[i].path == FLUID), usual)  # all fluids in one figure
+    return Family(results, x, by)
 
 
 def _preferred(axes: tuple[Axis, ...], lengths: list[int], path: str) -> int:

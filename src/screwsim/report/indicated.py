@@ -88,9 +88,8 @@ def _point(where: str, line: int, cells: tuple[str, ...], unit: str) -> tuple[fl
     except (Refused, ValueError):
         raise UsageError(f"{where}: line {line}: {', '.join(cells)} are not two numbers") from None
     if not (np.isfinite(angle) and pressure > 0.0):
-        raise UsageError(
-            f"{where}: line {line}: {cells[1]} {unit} is not an absolute pressure (add the ambient pressure)"
-        )
+        what = f"{cells[1]} {unit} is not an absolute pressure"
+        raise UsageError(f"{where}: line {line}: {what} (add the ambient pressure)")
     return angle, pressure
 
 
@@ -114,9 +113,8 @@ def check_angles(points: Indicated, trace: Trace) -> None:
     first, last = float(trace.angle[0]), float(trace.angle[-1])
     out = points.angle[(points.angle < first - ANGLE_SLACK) | (points.angle > last + ANGLE_SLACK)]
     if len(out):
-        what = (
-            f"{len(out)} of the measured angles, as {out[0]:g} deg, lie outside the cycle's {first:g} to {last:g} deg"
-        )
+        ends = f"{first:g} to {last:g} deg"
+        what = f"{len(out)} of the measured angles, as {out[0]:g} deg, lie outside the cycle's {ends}"
         raise UsageError(f"{what} (count angles from where the chamber starts to grow; docs/how-to/indicator.md)")
 
 

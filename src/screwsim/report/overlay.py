@@ -77,9 +77,8 @@ def _common_curves(one: Family, other: Family) -> tuple[dict[str, Pair], str]:
     def few(curves: list[Curve]) -> list[Curve]:
         return [curve for curve in curves if curve.text in shown]
 
-    return {name: (few(of_a), few(of_b)) for name, (of_a, of_b) in pairs.items()}, next(
-        filter(None, (words for _, words in thin)), ""
-    )
+    left_out = next(filter(None, (words for _, words in thin)), "")
+    return {name: (few(of_a), few(of_b)) for name, (of_a, of_b) in pairs.items()}, left_out
 
 
 def _cycles(a: Results, b: Results, one: Trace, other: Trace) -> Any:

@@ -212,13 +212,12 @@ def slide_figure(rotors: Rotors, volume_ratio: float, axial_ratio: float | None,
         lower[0].plot(np.degrees(parts["axial"].angle), both, **style)
     axial = known[-1].discharge["axial"]
     line = lower[0].plot(np.degrees(axial.angle), CM2 * axial.value, color=GREY, linewidth=0.6)
+    closes = math.degrees(known[0].suction_closes)
     for axes, label in ((upper[0], "slot to suction (cm²)"), (lower[0], "discharge port (cm²)")):
         axes.set(xlim=(0.0, math.degrees(rotors.life)), ylim=(0.0, None), ylabel=label)
-        axes.axvline(math.degrees(known[0].suction_closes), color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
+        axes.axvline(closes, color=GREY, linewidth=0.5, linestyle=(0, (1, 2)), zorder=1)
         plain_ticks(axes.yaxis, most=5)
-    upper[0].annotate(
-        "largest volume", (math.degrees(known[0].suction_closes), 1.02), xycoords=("data", "axes fraction"), ha="center"
-    )
+    upper[0].annotate("largest volume", (closes, 1.02), xycoords=("data", "axes fraction"), ha="center")
     lower[0].set_xlabel("angle of the chamber's life (°)")
     upper[0].legend(title="position", loc="upper left")
     lower[0].legend(line, ["axial part alone"], loc="upper left")

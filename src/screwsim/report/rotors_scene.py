@@ -41,9 +41,8 @@ def curves_of(scene: Scene) -> LaidCurves:
         raise UsageError(f"machine.kind is {kind}: there are no rotors (name a scene of a {TWIN_SCREW})")
     law = twin_screw(scene.machine).volume
     if not law.from_rotors:
-        raise UsageError(
-            f"machine.volume.law is {law.law}: there are no rotors (write machine.profile and law: profile)"
-        )
+        remedy = "write machine.profile and law: profile"
+        raise UsageError(f"machine.volume.law is {law.law}: there are no rotors ({remedy})")
     return laid_curves(twin_screw(scene.machine))
 
 
@@ -105,14 +104,11 @@ def table_text(scene: Scene) -> str:
 
 def document(scene: Scene, files: list[str]) -> dict[str, Any]:
     """Return the document printed by `--json`, in SI units."""
-    found = coefficients(scene)
+    faired, keys = curves_of(scene).rotors.chain.faired, ("value", "units", "long_name")
     return {
         "title": scene.title,
-        **({"faired": faired} if (faired := curves_of(scene).rotors.chain.faired) else {}),
-        "coefficients": {
-            name: {"value": value, "units": unit, "long_name": meaning}
-            for name, (value, unit, meaning) in found.items()
-        },
+        **({"faired": faired} if faired else {}),
+        "coefficients": {name: dict(zip(keys, row, strict=True)) for name, row in coefficients(scene).items()},
         "files": files,
     }
 

@@ -299,9 +299,8 @@ def _axes(group: Any) -> tuple[Axis, ...]:
     coordinates = [data for data in every if stored.has_attribute(data, "path")]
     scales = [data for data in coordinates if stored.is_scale(data)]
     joined = [(stored.scale_of(data), data) for data in coordinates if not stored.is_scale(data)]
-    found = tuple(
-        _axis(scale)._replace(joined=tuple(_axis(data) for own, data in joined if own == scale)) for scale in scales
-    )
+    together = ([_axis(data) for own, data in joined if own == scale] for scale in scales)
+    found = tuple(_axis(scale)._replace(joined=tuple(own)) for scale, own in zip(scales, together, strict=True))
     for axis in found:
         if any(len(inner.values) != len(axis.values) for inner in axis.joined):
             raise MalformedFile(f"is not a results file: what varies along {axis.path} differs in length")

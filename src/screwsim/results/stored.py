@@ -60,9 +60,8 @@ def _open(path: Path) -> Any:
             raise UsageError(f"{path}: is not an HDF5 file ({REMEDY})")
         return h5py.File(path, "r")
     except (OSError, RuntimeError, ValueError) as error:  # ValueError: a null character in the name
-        why = (
-            "cannot be read for lack of permission" if isinstance(error, PermissionError) else "is damaged or cut short"
-        )
+        refused = isinstance(error, PermissionError)
+        why = "cannot be read for lack of permission" if refused else "is damaged or cut short"
         raise UsageError(f"{path}: {why} (write it again, or {REMEDY})") from error
 
 
@@ -114,9 +113,8 @@ def member(group: Any, name: str, dataset: bool = True) -> Any:
         lies = h5o.open(group.id, known)
         found = h5py.Dataset(lies, readonly=True) if isinstance(lies, h5d.DatasetID) else group[name]
     if not isinstance(found, h5py.Dataset if dataset else h5py.Group):
-        raise MalformedFile(
-            f"is not a results file: {_item_name(group, name)} is no {'variable' if dataset else 'group'}"
-        )
+        kind = "variable" if dataset else "group"
+        raise MalformedFile(f"is not a results file: {_item_name(group, name)} is no {kind}")
     return found
 
 

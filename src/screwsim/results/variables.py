@@ -102,9 +102,8 @@ class Plan:
         own = {"numerics": NUMERICS_TEXT} if self._alone else {}
         for group, texts in ({"performance": _CASE_TEXTS} | own).items():
             for text, long_name in texts.items():
-                data = self.layout.texts(
-                    self._groups[group], text, words[text], self.shape, self._dimensions, long_name
-                )
+                about = words[text], self.shape, self._dimensions, long_name
+                data = self.layout.texts(self._groups[group], text, *about)
                 if data is not None:
                     set_attributes(data, self._beside)
                     found.append(Column(data, _numbers(text, words[text])))

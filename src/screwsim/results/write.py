@@ -238,8 +238,6 @@ def write_knock_out(layout: Layout, costs: Sequence[Figures]) -> None:
         values = np.array([cost[name] for cost in costs], float)  # None becomes NaN
         layout.variable(group, name, values, (EFFECT,), number_attributes(variable))
     messages = [text_lines(cost.message) for cost in costs]
-    words = sorted(set(messages))
-    data = layout.texts(
-        group, "message", words, (len(costs),), (EFFECT,), "why there are no figures, or what is doubtful"
-    )
+    words, meaning = sorted(set(messages)), "why there are no figures, or what is doubtful"
+    data = layout.texts(group, "message", words, (len(costs),), (EFFECT,), meaning)
     data.write([words.index(message) for message in messages])

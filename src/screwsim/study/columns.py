@@ -59,6 +59,5 @@ def _write_hdf5(path: Path, title: str, columns: Mapping[str, Column]) -> None:
                 data.write(numbers)
                 continue
             numbers = np.array([np.nan if value is None else value for value in each.values], float)
-            layout.variable(
-                file, variable_name(name), numbers, ("row",), number_attributes(Variable(each.units, each.long_name))
-            )
+            about = number_attributes(Variable(each.units, each.long_name))
+            layout.variable(file, variable_name(name), numbers, ("row",), about)

@@ -204,9 +204,8 @@ def _column(results: Results, path: str, flat: Mapping[str, str]) -> Array:
     name = variable_name(path)
     value: Any = results.inputs[name] if name in results.inputs else flat.get(path)
     if value is None or (isinstance(value, np.ndarray) and np.isnan(value)):
-        raise UsageError(
-            f"{results.path}: has no {path}, over which the other file is swept (compare files that both have it)"
-        )
+        what = f"has no {path}, over which the other file is swept"
+        raise UsageError(f"{results.path}: {what} (compare files that both have it)")
     return np.full(math.prod(results.shape), value)
 
 
@@ -277,19 +276,14 @@ def _joined(a: Results, b: Results) -> tuple[Sides, dict[str, Array]]:
     columns_a, columns_b = ([_column(each, path, flat) for path in paths] for each, flat in ((a, flat_a), (b, flat_b)))
     in_a, in_b = matched(columns_a, columns_b, (math.prod(a.shape), math.prod(b.shape)))
     if not len(in_a):
-        raise UsageError(
-            f"{a.path} and {b.path} have no point in common: {', '.join(paths)} differ (sweep over common values)"
-        )
+        what = f"{', '.join(paths)} differ (sweep over common values)"
+        raise UsageError(f"{a.path} and {b.path} have no point in common: {what}")
     places = {path: column[in_a] for path, column in zip(paths, columns_a, strict=True)}
     return (_FileAtCommonPoints(a, in_a, flat_a), _FileAtCommonPoints(b, in_b, flat_b)), places
 
 
 def _change(
-    name: str,
-    sides: Sides,
-    ok: Array,
-    point: Callable[[int], dict[str, Any]],
-    tolerance: float,
+    name: str, sides: Sides, ok: Array, point: Callable[[int], dict[str, Any]], tolerance: float
 ) -> FigureChange | None:
     """Return the change of one figure; None where neither file has values of it at the common points."""
     a, b = (side.values(name) for side in sides)

@@ -82,12 +82,10 @@ def machinery_with_coolprop(scene: Scene) -> Machinery:
     gas, text = problem.parts.gas, problem.composition.text
     kernel = gas.state if gas.phased_state is None else gas.phased_state[1]
     each = ", ".join(kernel.arguments)
-    slopes = {f"of_{of}": ", ".join(f"by_{of}[{i}]" for i in range(7)) for of in ("T", "rho")}
     text = _replaced(text, STATE_KERNEL.format(name=kernel.flat_name, arguments=each))
-    name = tangent(kernel, ("T", "rho")).flat_name
-    text = _replaced(
-        text, SLOPES_KERNEL.format(name=name, state=kernel.flat_name, arguments=each, step=DIFFERENCE_STEP, **slopes)
-    )
+    named = {"name": tangent(kernel, ("T", "rho")).flat_name, "state": kernel.flat_name, "arguments": each}
+    named |= {f"of_{of}": ", ".join(f"by_{of}[{i}]" for i in range(7)) for of in ("T", "rho")}
+    text = _replaced(text, SLOPES_KERNEL.format(step=DIFFERENCE_STEP, **named))
     state = state_function(scene.gas.name)
     address = ctypes.cast(state, ctypes.c_void_p).value
     assert address is not None

@@ -44,9 +44,8 @@ def figure_named(text: str, here: Iterable[str] = (), others: Iterable[str] = ()
         return same[0] if same else _NAME_BY_SYMBOL[bare]
     parts = [part.strip() for part in text.split(",") if part.strip()]
     if len(parts) > 1 and all(part in every for part in parts):
-        raise UsageError(
-            f"{option} {text}: names {len(parts)} figures (give each one by itself: {option} {parts[0]} …)"
-        )
+        remedy = f"give each one by itself: {option} {parts[0]} …"
+        raise UsageError(f"{option} {text}: names {len(parts)} figures ({remedy})")
     short = [name for name in here or every if _abbreviates(text, name)]
     if len(short) == 1:
         raise UsageError(f"{option} {text}: is not known; did you mean '{short[0]}'?")

@@ -70,9 +70,8 @@ class Sensitivities(Brief):
         if not self.values:
             return About(heading, [self.result.told])
         slopes = {path: [self.relative(name, path) for name in figures] for path in self.values}
-        paths = sorted(
-            slopes, key=lambda path: -max((abs(each) for each in slopes[path] if each is not None), default=0)
-        )
+        largest = {path: max((abs(each) for each in by if each is not None), default=0) for path, by in slopes.items()}
+        paths = sorted(slopes, key=lambda path: -largest[path])
         rows = [[path, *("–" if each is None else f"{each:.3g}" for each in slopes[path])] for path in paths]
         notes = ["percent per percent; derivatives [SI] are in .derivatives"]
         return About(heading, notes, ["number", *figures], rows)
@@ -251,9 +250,8 @@ def simulate(scene: SceneLike, trace: Trace = True) -> Result:
         if not faults:
             raise
         raise SceneError(list(map(str, faults))) from None
-    return replace(
-        result, derivatives=Derivatives(partial(sensitivities, scene, result=result), result.performance, scene)
-    )
+    found = Derivatives(partial(sensitivities, scene, result=result), result.performance, scene)
+    return replace(result, derivatives=found)
 
 
 def kept_slopes(scene: Scene, result: Result) -> Sensitivities | None:

@@ -139,10 +139,8 @@ class TerminalBar(CountingProgress):
         self._bar.refresh()
 
     def _refresh(self) -> None:
-        elapsed = self._clock() - self._began
-        rate = (
-            f"{digits((self._done - self._reused) / elapsed)} points/s" if elapsed and self._done > self._reused else ""
-        )
+        elapsed, new = self._clock() - self._began, self._done - self._reused
+        rate = f"{digits(new / elapsed)} points/s" if elapsed and new > 0 else ""
         task = self._bar.task_ids[0]
         self._bar.update(task, completed=self._done, total=self._cases, rate=rate, failures=self._failures(""))
         self._bar.refresh()

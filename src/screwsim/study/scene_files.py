@@ -167,9 +167,8 @@ def fitted_text(found: Calibration, folder: Path) -> str:
 
 def quality_in_words(found: Calibration) -> str:
     """Return the quality of the fit, in a few words."""
-    text = (
-        f"chi squared {found.chi_squared:.3g} with {found.freedom} degrees of freedom, {len(found.fit.fitted)} points"
-    )
+    text = f"chi squared {found.chi_squared:.3g} with {found.freedom} degrees of freedom"
+    text += f", {len(found.fit.fitted)} points"
     return text if found.status == "ok" else f"{text}; {found.status}"
 
 

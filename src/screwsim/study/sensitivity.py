@@ -130,9 +130,8 @@ def sensitivity(
         first = with_values(scene, middle)
         simulate = simulator(first) if isinstance(first, Scene) else solved
     call, dead = partial(_answer, scene, problem["names"], points, figures, simulate), _Answer(WORKER_DIED)
-    answers = parallel_map(
-        call, len(points), died=lambda number: dead, jobs=jobs, failed=lambda one: bool(one.message), progress=progress
-    )
+    count = {"failed": lambda one: bool(one.message), "progress": progress}
+    answers = parallel_map(call, len(points), died=lambda number: dead, jobs=jobs, **count)
     head = (tuple(ranges), samples, seed, len(points))
     bad = [answer for answer in answers if answer.message]
     if bad:

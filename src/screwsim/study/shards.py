@@ -90,9 +90,8 @@ class Parts:
             fcntl.lockf(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except (BlockingIOError, PermissionError):
             self._lock.close()
-            raise UsageError(
-                f"{self.output}: another {self.study} is writing it (wait until it ends, or choose another -o)"
-            ) from None
+            what = f"another {self.study} is writing it"
+            raise UsageError(f"{self.output}: {what} (wait until it ends, or choose another -o)") from None
         except (ImportError, OSError):
             pass  # no locks on this system or disk: two sweeps at once merely do the same work twice
 

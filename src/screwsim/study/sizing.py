@@ -67,9 +67,8 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
                 _check_port(result)
             return found
         flow = rounded_flow(flow * wanted / value)
-    raise UsageError(
-        f"{option}: no size was found that gives {shown_figure(figure, wanted)} (state one with --displacement)"
-    )
+    what = f"no size was found that gives {shown_figure(figure, wanted)}"
+    raise UsageError(f"{option}: {what} (state one with --displacement)")
 
 
 def solved_machine(text: str) -> SizedMachine:
@@ -125,9 +124,8 @@ def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]
         yield f"the motor carries {word} than data sheets show (check {check}, or --speed)"
     tips = 0.5 * scene.operation.speed * scene.machine.rotor_diameter
     if tips > FAST_TIP_SPEED:
-        yield (
-            f"rotor tips run at {tips:.0f} m/s, where oil films take much power (choose a lower --speed, larger rotors)"
-        )
+        remedy = "choose a lower --speed, larger rotors"
+        yield f"rotor tips run at {tips:.0f} m/s, where oil films take much power ({remedy})"
     ratio = scene.machine.built_in_volume_ratio
     assumed = [] if asked.ratio is not None else [f"built-in volume ratio {ratio:g} from the pressure ratio"]
     assumed += [] if asked.speed is not None else [rpm(scene.operation.speed)]

@@ -138,12 +138,7 @@ def run_sweep(
 
 
 @checked_arguments()
-def sweep(
-    scene: SceneLike,
-    jobs: int | None = None,
-    progress: Progress | bool | None = None,
-    **options: Any,
-) -> Any:
+def sweep(scene: SceneLike, jobs: int | None = None, progress: Progress | bool | None = None, **options: Any) -> Any:
     """Return all figures of a scene's sweep in memory: an xarray.Dataset, or Results where xarray is missing.
 
         data = screwsim.sweep("study.yaml")
@@ -197,9 +192,8 @@ class _Sweep:
         reused = sum(map(len, finished))
         done = [blocks for cases in finished if (blocks := self.blocks.blocks_of(cases)) is not None]
         edges = [0, *(edge for span in done for edge in (span.start, span.stop)), self.blocks.count]
-        todo = self._slow_machines_first(
-            [range(start, stop) for start, stop in zip(edges[::2], edges[1::2], strict=True) if stop > start]
-        )
+        gaps = (range(start, stop) for start, stop in zip(edges[::2], edges[1::2], strict=True))
+        todo = self._slow_machines_first([gap for gap in gaps if gap])
         if not todo:
             return reused
         if scheduler is not None:

@@ -132,6 +132,7 @@ def tolerances(
     bad = [answer.message for answer in answers if answer.message]
     values = {name: np.array([answers[i].values[k] for i in good]) for k, name in enumerate(figures)}
     of_good = {name: drawn[good] for name, drawn in lengths.items()}
+    known = [(name, float(nominal.performance[name])) for name in figures if good]
     links = Links(machine.crank_radius, machine.rod_length, machine.offset)
     return ToleranceStudy(
         grades,
@@ -145,9 +146,7 @@ def tolerances(
         message=bad[0] if bad else "",
         shifts=np.array([with_lengths(scene, _lengths_of(lengths, i))[1] for i in range(count)])[good],
         values=values,
-        spreads=tuple(
-            _figure_scatter(name, float(nominal.performance[name]), values[name], of_good) for name in figures if good
-        ),
+        spreads=tuple(_figure_scatter(name, value, values[name], of_good) for name, value in known),
     )
 
 

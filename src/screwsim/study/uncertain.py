@@ -116,11 +116,7 @@ class Uncertainty(Brief):
 
 @checked_arguments(result=instance(Result, "what simulate returned"))
 def uncertainty(
-    scene: SceneLike,
-    *,
-    result: Result | None = None,
-    jobs: int | None = 1,
-    progress: Progress | bool | None = None,
+    scene: SceneLike, *, result: Result | None = None, jobs: int | None = 1, progress: Progress | bool | None = None
 ) -> Uncertainty:
     """Return the uncertainty of each figure that follows from the tolerances of a scene's inputs.
 
@@ -166,12 +162,10 @@ def with_uncertainty(scene: Scene, result: Result) -> Result:
     try:
         found = uncertainty(scene, result=result, progress=False)
     except UsageError as error:  # a case of a sweep whose axis makes an input follow from others
-        return replace(
-            result, uncertainty=told, warnings=(*result.warnings, f"no uncertainty from the inputs: {error}")
-        )
-    lost = (
-        f"the tolerance of {path} is not included in the uncertainties: {why}" for path, why in found.left_out.items()
-    )
+        warning = f"no uncertainty from the inputs: {error}"
+        return replace(result, uncertainty=told, warnings=(*result.warnings, warning))
+    no = "is not included in the uncertainties"
+    lost = (f"the tolerance of {path} {no}: {why}" for path, why in found.left_out.items())
     return replace(result, uncertainty={**found.as_json(), **told}, warnings=(*result.warnings, *lost))
 
 
@@ -245,13 +239,11 @@ def checked_by_sample(
     bad = [result for result in results if result.status != "ok"]
     if bad:
         return replace(linear, samples=count, message=f"{len(bad)} of {count} samples have no figures: {bad[0].told}")
-    sampled = {}
+    sampled, here = {}, linear.slopes.result.performance
     for name, spread in linear.spreads.items():
         values = [result.performance.get(name) for result in results]
         if None not in values:
-            sampled[name] = _compared_with_sample(
-                np.array(values, float), linear.slopes.result.performance[name], spread.standard
-            )
+            sampled[name] = _compared_with_sample(np.array(values, float), here[name], spread.standard)
     return replace(linear, samples=count, sampled=sampled)
 
 

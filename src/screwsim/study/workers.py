@@ -270,6 +270,5 @@ def pickled_work(work: Any) -> bytes:
     try:
         return pickle.dumps(work)
     except (AttributeError, TypeError, pickle.PicklingError) as reason:
-        raise UsageError(
-            f"simulate: it cannot be sent to workers: {reason} (define it at module level, or pass jobs=1)"
-        ) from None
+        what = f"it cannot be sent to workers: {reason}"
+        raise UsageError(f"simulate: {what} (define it at module level, or pass jobs=1)") from None

@@ -65,9 +65,8 @@ def duty_of(
             cooler = refused_screw(fluid, condition, example) if T is found.high else ""
             raise UsageError(f"--condition {condition}{usual}: {cooler or what}")
     if not found.low < found.high:
-        raise UsageError(
-            f"--condition {condition}: evaporates above the condensing temperature (write LOW/HIGH, e.g. '{example}')"
-        )
+        what = "evaporates above the condensing temperature"
+        raise UsageError(f"--condition {condition}: {what} (write LOW/HIGH, e.g. '{example}')")
     p_s, p_d = constants.dew_pressure(fluid, found.low), p_cooler or constants.condensing_pressure(fluid, found.high)
     superheat, more = _superheat(fluid, found, p_s, p_d, condition, 1.0 if lossless else EFFICIENCIES[1])
     T, R = found.low + more, constants.gas_constant(fluid)
@@ -170,8 +169,6 @@ def refused_screw(fluid: str, text: str, example: str) -> str:
     limits = constants.limits(fluid)
     assert limits is not None
     critical = f"{limits.T_critical - ZERO_CELSIUS:.1f} degC"
-    what = (
-        f"{fluid} condenses up to {critical}, and needs a gas cooler above, for whose pressures hardly a screw is built"
-    )
+    what = "needs a gas cooler above, for whose pressures hardly a screw is built"
     remedy = f"screwsim new reciprocating --fluid {fluid} --condition '{text}' writes a cylinder with one"
-    return f"{what} ({remedy}; or choose a colder condition)"
+    return f"{fluid} condenses up to {critical}, and {what} ({remedy}; or choose a colder condition)"

@@ -73,9 +73,8 @@ def _duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expan
     at = condition_of(asked.condition or example, "pressure", example)
     low, high = (at.high, at.low) if expands else (at.low, at.high)
     if not low < high:
-        order = (
-            "an expander's inlet comes first, above its outlet" if expands else "suction comes first, below discharge"
-        )
+        order = "suction comes first, below discharge"
+        order = "an expander's inlet comes first, above its outlet" if expands else order
         raise UsageError(f"--condition {asked.condition}: {order} (write e.g. --condition '{example}')")
     text, T = quantity_after_comma(at, "temperature", temperature)
     boils = constants.liquid_below(fluid, at.low, T)
@@ -245,11 +244,9 @@ def _booster_outlet_temperature(fluid: str, duty: Duty, warmed: float, dew: floa
         return leaves
     dry = ZERO_CELSIUS + 5.0 * math.ceil((dew + ABOVE_DEW - ZERO_CELSIUS) / 5.0)
     if dry > duty.T + warmed:
-        what = (
-            f"{fluid} of {duty.at.high_text} condenses below {dew - ZERO_CELSIUS:.0f} °C, close to its outlet "
-            f"temperature"
-        )
-        raise UsageError(f"--condition: {what} (choose warmer gas, or a lower pressure)")
+        what = f"condenses below {dew - ZERO_CELSIUS:.0f} °C, close to its outlet temperature"
+        remedy = "choose warmer gas, or a lower pressure"
+        raise UsageError(f"--condition: {fluid} of {duty.at.high_text} {what} ({remedy})")
     return max(leaves, dry)
 
 

@@ -76,9 +76,8 @@ ESTIMATED_EFFICIENCY = 0.65  # for an estimate of the power
 
 def reciprocating(asked: SceneRequest) -> str:
     """Return the scene of a single cylinder."""
-    refuse_option(
-        "--vi", asked.ratio, "a cylinder has no built-in volume ratio, as its valves are self-acting (remove it)"
-    )
+    no_ratio = "a cylinder has no built-in volume ratio, as its valves are self-acting (remove it)"
+    refuse_option("--vi", asked.ratio, no_ratio)
     refuse_option("--diameter", asked.diameter, "is for rotors; the bore follows from --displacement (write that)")
     refuse_option("--oil", asked.oil, "no oil is injected into a cylinder (remove it)")
     fluid, speed, example = asked.fluid or "R134a", asked.speed or 1450.0 * RPM, "-10/40 degC, 20 K"
@@ -96,9 +95,8 @@ def reciprocating(asked: SceneRequest) -> str:
     found = _valves(of, fluid, duty, s, speed)
     if found["suction"].mach > valves.LARGEST_MACH:
         what = f"leaves no room for valves at {s * speed * of.stroke / math.pi:.3g} m/s of its piston"
-        raise UsageError(
-            f"--displacement {sizes.flow_text(flow)} at {sizes.rpm(speed)}: one cylinder {what} (a lower --speed)"
-        )
+        where = f"--displacement {sizes.flow_text(flow)} at {sizes.rpm(speed)}"
+        raise UsageError(f"{where}: one cylinder {what} (a lower --speed)")
     return _text(of, fluid, duty, s, found, flow, speed, pressure is not None)
 
 

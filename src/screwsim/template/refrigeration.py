@@ -71,10 +71,9 @@ def first_flow(plant: Plant, asked: SceneRequest) -> float:
     """
     if asked.motor is None:
         return DEFAULT_DISPLACEMENT_FLOW
-    duty = duty_of(
-        asked.fluid or plant.fluid, DEFAULT_DISPLACEMENT_FLOW, asked.condition or plant.condition, plant.condition
-    )
-    return DEFAULT_DISPLACEMENT_FLOW * asked.motor / _power(duty, asked)
+    condition, flow = asked.condition or plant.condition, DEFAULT_DISPLACEMENT_FLOW
+    duty = duty_of(asked.fluid or plant.fluid, flow, condition, plant.condition)
+    return flow * asked.motor / _power(duty, asked)
 
 
 def scene_of(plant: Plant, asked: SceneRequest) -> str:
@@ -132,9 +131,8 @@ def _slide(text: str, ratio: float) -> str:
     profile = build_parts(loads(text)).geometry.profile
     assert profile is not None  # of a family
     axial = max(LARGEST_BORE_PORT_RATIO, ratio)
-    slide = fitting_slide(
-        profile.rotors, *(profile.rotors.discharge_angle(each) for each in (min(ratio, 0.5 * axial), axial))
-    )
+    angles = (profile.rotors.discharge_angle(each) for each in (min(ratio, 0.5 * axial), axial))
+    slide = fitting_slide(profile.rotors, *angles)
     spans = {name: f"{math.degrees(getattr(slide, f'{name}_span')):.0f} deg" for name in ("male", "female")}
     return texts.filled("slide", {"axial": f"{axial:g}", "travel": f"{math.floor(1e3 * slide.travel)} mm", **spans})
 
@@ -179,15 +177,10 @@ def _evidence_comments(fluid: str) -> str:
 
 def _sizing_comment(asked: SceneRequest, plant: Plant) -> str:
     """Return the comment on the goal by which the size was sought; empty where the size was stated."""
-    goals = {
-        "--capacity": (asked.capacity, "of {gives}"),
-        "--motor": (asked.motor, "at the shaft, the full load of its motor"),
-    }
-    if asked.sought not in goals:
-        return ""
-    power, what = goals[asked.sought]
-    by = f"{1e-3 * (power or 0.0):g} kW {what.format(gives=plant.gives)}"
-    return f"# Made for {by}: its size was found with the cycle.\n"
+    capacity, motor = (asked.capacity, f"of {plant.gives}"), (asked.motor, "at the shaft, the full load of its motor")
+    power, what = {"--capacity": capacity, "--motor": motor}.get(asked.sought, (None, ""))
+    by = f"{1e-3 * (power or 0.0):g} kW {what}"
+    return f"# Made for {by}: its size was found with the cycle.\n" if what else ""
 
 
 def _power(duty: Duty, asked: SceneRequest) -> float:

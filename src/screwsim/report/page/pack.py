@@ -77,9 +77,8 @@ def reduce_angles(angle: np.ndarray, traces: dict[str, np.ndarray], wanted: floa
             break
         kept.update(split[: _MOST_POINTS - len(kept)])
     places = np.array(sorted(kept))
-    return ReducedAngles(
-        places, {name: float(np.max(_segment_deviation(angle, trace, places))) for name, trace in traces.items()}
-    )
+    off = {name: float(np.max(_segment_deviation(angle, trace, places))) for name, trace in traces.items()}
+    return ReducedAngles(places, off)
 
 
 def _relative(angle: np.ndarray, traces: dict[str, np.ndarray], places: np.ndarray) -> np.ndarray:
@@ -89,9 +88,8 @@ def _relative(angle: np.ndarray, traces: dict[str, np.ndarray], places: np.ndarr
         there = np.isfinite(trace)
         span = np.max(trace, axis=1, where=there, initial=-np.inf) - np.min(trace, axis=1, where=there, initial=np.inf)
         scale = np.where(np.isfinite(span) & (span > 0.0), span, np.inf)
-        worst = np.maximum(
-            worst, np.max(_segment_deviation(angle, trace, places) / scale[:, None], axis=0, initial=0.0)
-        )
+        off = _segment_deviation(angle, trace, places) / scale[:, None]
+        worst = np.maximum(worst, np.max(off, axis=0, initial=0.0))
     return worst
 
 

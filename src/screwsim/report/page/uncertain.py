@@ -63,10 +63,9 @@ def inputs_document(results: Results, part: tuple[slice, ...]) -> dict[str, Any]
 
 def inputs_lines(results: Results, index: tuple[int, ...]) -> list[str]:
     """Return for one case which inputs contribute most to some figures, one line per figure; then those left out."""
-    lines = []
     if "contributor" not in results.contributions:
-        return lines
-    labels = [short_label(label) for label in results.contributions["contributor"].tolist()]
+        return []
+    lines, labels = [], [short_label(label) for label in results.contributions["contributor"].tolist()]
     for name in FIGURES_WITH_INPUTS:
         if name not in results.contributions or not np.isfinite(half_of(results, name)[index]):
             continue

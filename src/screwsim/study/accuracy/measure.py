@@ -104,9 +104,8 @@ def trace_errors(found: Traces, better: Traces, least: float = LEAST_VOLUME) -> 
     Only angles count at which the volume is at least this share of its largest.
     """
     chosen = better["volume"] >= least * np.max(better["volume"])
-    pressure, temperature = (
-        float(np.nanmax(np.abs(found[name][chosen] / better[name][chosen] - 1.0))) for name in COMPARED_TRACES
-    )
+    off = (np.abs(found[name][chosen] / better[name][chosen] - 1.0) for name in COMPARED_TRACES)
+    pressure, temperature = (float(np.nanmax(each)) for each in off)
     return pressure, temperature
 
 

@@ -109,9 +109,8 @@ def solve(scene: Scene, how: Method, limit: float = math.inf, machinery: Machine
     pressures = np.array([at.p_s, at.p_d, 1.0, *(own for _ in range(composition.n_widths - 3))])
     widths = tuple((max(how.regularised, LEAST_REGULARISATION) * pressures).tolist())
     wanted = ClosingCriteria(how.rtol, how.tolerance, how.bound, how.closing, widths, check=check)
-    loose = ClosingCriteria(
-        0.3 * START_ACCURACY, 0.2 * START_ACCURACY, START_ACCURACY, "auto", tuple((START_ACCURACY * pressures).tolist())
-    )
+    begun = tuple((START_ACCURACY * pressures).tolist())
+    loose = ClosingCriteria(0.3 * START_ACCURACY, 0.2 * START_ACCURACY, START_ACCURACY, "auto", begun)
     problem = replace(problem, composition=composition, criteria=wanted)
     lent = machinery is None
     machinery = machinery or leases.lease(composition)

@@ -90,9 +90,8 @@ def read_points(
         problems.add(start.at(fault.line or 1, 1), "data", fault.what)
         return []
     if not sheet.rows:
-        problems.add(
-            start, "data", f"has no points (write a line of column names, then one line per point; {_EXAMPLE})"
-        )
+        remedy = f"write a line of column names, then one line per point; {_EXAMPLE}"
+        problems.add(start, "data", f"has no points ({remedy})")
         return []
     if len(sheet.rows) > MOST_POINTS:
         problems.add(start, "data", f"has {len(sheet.rows)} points (at most {MOST_POINTS} are fitted)")
@@ -152,11 +151,7 @@ def _starts(line: str) -> Iterator[int]:
 
 
 def _columns(
-    cells: list[tuple[str, Position]],
-    scene: Scene,
-    taken: Sequence[str],
-    problems: LocatedFaults,
-    candidates: bool,
+    cells: list[tuple[str, Position]], scene: Scene, taken: Sequence[str], problems: LocatedFaults, candidates: bool
 ) -> list[tuple[_Column, Position]]:
     found, refused = [], set()
     for cell, place in cells:

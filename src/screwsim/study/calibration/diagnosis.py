@@ -27,20 +27,8 @@ from screwsim.study.calibration.hypotheses import (
     chance_of_misfit,
     indistinguishable_pairs,
 )
-from screwsim.study.calibration.machine import (
-    Group,
-    fit_of_unchanged,
-    inputs_of,
-    prepare,
-    residual_shifts,
-    unchanged_machine,
-)
-from screwsim.study.calibration.pair_likelihood import (
-    PairLikelihood,
-    additive_likelihood,
-    curves_of,
-    solved_pair,
-)
+from screwsim.study.calibration.machine import Group, inputs_of, residual_shifts, unchanged_fit
+from screwsim.study.calibration.pair_likelihood import PairLikelihood, additive_likelihood, curves_of, solved_pair
 from screwsim.study.calibration.profile import (
     LinearLikelihood,
     ProfileLikelihood,
@@ -185,10 +173,8 @@ def diagnose(
     unchanged machine lies outside a parameter's bounds.
     """
     _check(unchanged, pairs)
-    machine, before = unchanged_machine(fit)
-    asked = fit_of_unchanged(fit, machine, simulate)
-    groups, priors = inputs_of(fit, machine)
-    prepare(asked, simulate)
+    asked, before = unchanged_fit(fit, simulate)
+    groups, priors = inputs_of(fit, asked.scene)
     points = asked.fitted
     answers = parallel_map(
         partial(unchanged_point, asked, groups, priors, before, simulate),

@@ -42,9 +42,8 @@ class Prior(NamedTuple):
 
     def off(self, value: float) -> float:
         """Return by how many standard deviations a value [SI] is off the mean."""
-        return (
-            math.log(max(value / self.mean, LEAST_PRIOR_VALUE)) if self.logarithmic else value - self.mean
-        ) / self.deviation
+        off = math.log(max(value / self.mean, LEAST_PRIOR_VALUE)) if self.logarithmic else value - self.mean
+        return off / self.deviation
 
     def slope(self, value: float) -> float:
         """Return the derivative of `off` by the value [1/SI]."""

@@ -153,10 +153,8 @@ def _correlated_pairs(
 def _combination(
     parameters: Sequence[Parameter], moves: Array, strength: float, span: float
 ) -> UndeterminedCombination:
-    paths = tuple(parameter.path for parameter in parameters)
-    return UndeterminedCombination(
-        paths, tuple(map(float, moves)), strength, span, _combination_in_words(parameters, moves)
-    )
+    paths, says = tuple(parameter.path for parameter in parameters), _combination_in_words(parameters, moves)
+    return UndeterminedCombination(paths, tuple(map(float, moves)), strength, span, says)
 
 
 def _combination_in_words(parameters: Sequence[Parameter], moves: Array) -> str:

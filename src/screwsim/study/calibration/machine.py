@@ -24,8 +24,11 @@ from screwsim.study.uncertain import groups_of
 Group = tuple[str, ...]  # paths of correlated inputs, one or more
 
 
-def unchanged_machine(fit: Fit) -> tuple[Scene, dict[str, float]]:
-    """Return the scene of the unchanged machine, and the fit's parameters [SI] in it."""
+def unchanged_fit(fit: Fit, simulate: Simulate | None) -> tuple[Fit, dict[str, float]]:
+    """Return the fit of the unchanged machine without priors, ready for workers, and its parameters [SI].
+
+    Its slopes are exact unless `simulate` is given.
+    """
     before = {}
     for parameter in fit.parameters:
         stated = value_at(fit.scene, parameter.path) if parameter.prior is None else parameter.prior.mean
@@ -35,13 +38,11 @@ def unchanged_machine(fit: Fit) -> tuple[Scene, dict[str, float]]:
             why = f"is {stated:.6g} [SI] unchanged, outside its bounds {parameter.low:.6g} … {parameter.high:.6g}"
             raise UsageError(f"{parameter.path}: {why} (widen from and to, within which it may have changed)")
         before[parameter.path] = float(stated)
-    return fit.machine(before), before
-
-
-def fit_of_unchanged(fit: Fit, machine: Scene, simulate: Simulate | None) -> Fit:
-    """Return the fit of that machine without priors; slopes are exact unless `simulate` is given."""
     bare = tuple(replace(parameter, prior=None) for parameter in fit.parameters)
-    return replace(fit, scene=machine, parameters=bare, slopes=EXACT if simulate is None else DIFFERENCES)
+    slopes = EXACT if simulate is None else DIFFERENCES
+    found = replace(fit, scene=fit.machine(before), parameters=bare, slopes=slopes)
+    prepare(found, simulate)
+    return found, before
 
 
 def prepare(fit: Fit, simulate: Simulate | None) -> None:

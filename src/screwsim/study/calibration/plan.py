@@ -30,13 +30,11 @@ from screwsim.study.calibration.fit import Fit, Measurement, Point, prior_of
 from screwsim.study.calibration.machine import (
     Group,
     TypicalUncertainty,
-    fit_of_unchanged,
     inputs_of,
     points_of,
-    prepare,
     residual_shifts,
     typical_uncertainties,
-    unchanged_machine,
+    unchanged_fit,
 )
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
 from screwsim.study.inputs import shown_value
@@ -119,9 +117,8 @@ def candidates_of(
     yet. Raises SceneError with one line per fault of the file, UsageError.
     """
     if (file is None) == (not paths):
-        raise UsageError(
-            "candidates come from one place (write either --candidates GRID.csv or one or more --path PATH=LOW..HIGH)"
-        )
+        remedy = "write either --candidates GRID.csv or one or more --path PATH=LOW..HIGH"
+        raise UsageError(f"candidates come from one place ({remedy})")
     if file is not None:
         found = tuple(point for point in points_of(fit, file, "--candidates", "candidates") if point.fitted)
     else:
@@ -138,10 +135,9 @@ def _candidates_of_ranges(fit: Fit, ranges: Sequence[Span], levels: int) -> tupl
     for one in ranges:
         if one.path in taken:
             raise UsageError(f"--path {one.path}: is a parameter of the fit and cannot be a condition")
-    if levels ** len(ranges) > MOST_CANDIDATES:
-        raise UsageError(
-            f"--levels {levels}: makes {levels ** len(ranges)} candidates, more than {MOST_CANDIDATES} (use fewer)"
-        )
+    count = levels ** len(ranges)
+    if count > MOST_CANDIDATES:
+        raise UsageError(f"--levels {levels}: makes {count} candidates, more than {MOST_CANDIDATES} (use fewer)")
     found = []
     axes = [np.linspace(one.low, one.high, levels).tolist() for one in ranges]
     for numbers in itertools.product(*axes):
@@ -165,12 +161,10 @@ def plan(
     """Return which `count` of the candidates say most in addition to the fit's points; raise UsageError."""
     if not 1 <= count <= len(candidates):
         raise UsageError(f"--count {count}: of {len(candidates)} candidates 1 to {len(candidates)} can be chosen")
-    machine, values = unchanged_machine(fit)
-    groups, _ = inputs_of(fit, machine)
+    asked, values = unchanged_fit(fit, simulate)
+    groups, _ = inputs_of(fit, asked.scene)
     own = fit.changes(values)  # a parameter's tolerance is its prior, and what follows it has none of its own
     groups = tuple(rest for group in groups if (rest := tuple(path for path in group if path not in own)))
-    asked = fit_of_unchanged(fit, machine, simulate)
-    prepare(asked, simulate)
     measured = [point for point in fit.fitted if point.measured]
     points = [*measured, *candidates]
     answers = parallel_map(
@@ -184,7 +178,7 @@ def plan(
     pairs = list(zip(points, answers, strict=True))
     if fault := next((f"{point.name}: {answer.odd}" for point, answer in pairs if answer.odd), ""):
         raise UsageError(fault)
-    known, even = _prior_information(fit, machine, values, len(groups))
+    known, even = _prior_information(fit, asked.scene, values, len(groups))
     measured_too = (answer.information for answer in answers[: len(measured)] if not answer.why)
     known += sum(measured_too, 0.0 * known)
     solved = [(point, answer) for point, answer in pairs[len(measured) :] if not answer.why]

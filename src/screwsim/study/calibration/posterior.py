@@ -104,9 +104,8 @@ class _LogPosterior:
             parameter = self.fit.parameters[i]
             values = [parameter.value(float(place)) for place in places[:, i]]
             off[row] = [prior.off(value) for value in values]
-            if (
-                i not in self._bound and prior.logarithmic != parameter.logarithmic
-            ):  # else the derivative is the same everywhere
+            # else the derivative is the same everywhere
+            if i not in self._bound and prior.logarithmic != parameter.logarithmic:
                 total += np.log([prior.slope(value) * parameter.slope(value) for value in values])
         if self.fit.together:
             off = self.fit.whitener @ off

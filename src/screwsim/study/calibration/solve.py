@@ -159,17 +159,12 @@ def calibrate(
                 progress=progress,
                 kept=answers.update,
             )
+            return _calibration_of_starts(fit, answers, simulate)
         except KeyboardInterrupt as pressed:
             answers |= _interrupted_starts(places, Path(folder), answers)
             if not answers:
                 raise
-            begun = [answers[number] for number in sorted(answers)]
-            raise Interrupted(_calibration_of_starts(fit, begun, simulate, interrupted=True)) from pressed
-    starts = [answers[number] for number in sorted(answers)]
-    try:
-        return _calibration_of_starts(fit, starts, simulate)
-    except KeyboardInterrupt as pressed:  # while the best end is being confirmed
-        raise Interrupted(_calibration_of_starts(fit, starts, simulate, interrupted=True)) from pressed
+            raise Interrupted(_calibration_of_starts(fit, answers, simulate, interrupted=True)) from pressed
 
 
 def _interrupted_starts(places: Array, folder: Path, known: Mapping[int, Start]) -> dict[int, Start]:
@@ -228,9 +223,10 @@ def _failed_start(began: Array, reason: str) -> Start:
 
 
 def _calibration_of_starts(
-    fit: Fit, starts: Sequence[Start], simulate: Simulate | None, interrupted: bool = False
+    fit: Fit, answers: Mapping[int, Start], simulate: Simulate | None, interrupted: bool = False
 ) -> Calibration:
-    """Return the answer from the results of the starts."""
+    """Return the answer from the results of the starts, by their numbers."""
+    starts = [answers[number] for number in sorted(answers)]
     best = best_start(starts, sum(len(point.measured) for point in fit.fitted))
     if not np.isfinite(best.cost):
         reason = f"no start has a solution: {best.message} (change starts or bounds)"
@@ -252,9 +248,7 @@ def _calibration_of_starts(
     free = sum(not border for border in active_bounds(places))
     freedom = int(np.sum(~outcome.unsolved)) - free
     margin = _margin(free, outcome.chi_squared, freedom)
-    as_good = tuple(
-        number for number, start in enumerate(starts) if start.cost - best.cost <= margin and start.status != "failed"
-    )
+    as_good = tuple(i for i, one in enumerate(starts) if one.cost - best.cost <= margin and one.status != "failed")
     status = "interrupted" if interrupted else "failed" if outcome.reasons else "ok"
     message = _message(outcome, best, interrupted, len(starts))
     rest = (known, outcome.chi_squared, freedom, margin, as_good, compared, reasons)

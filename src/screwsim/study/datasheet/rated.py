@@ -243,14 +243,12 @@ def rating_around(
     across, down = asked.across.values, asked.down.values
     parts = [Part(partial(asked.column, value), [DEAD] * len(down)) for value in across]
     if full:
-        parts += [
-            Part(partial(asked.part_load, each, full), PartLoad(each, (), (), WORKER_DIED)) for each in asked.controls
-        ]
+        for each in asked.controls:
+            parts.append(Part(partial(asked.part_load, each, full), PartLoad(each, (), (), WORKER_DIED)))
         parts += more
     found = answers_of(parts, jobs, progress)
-    points = {
-        (i, j): result for i, column in enumerate(found[: len(across)]) for j, result in enumerate(column) if result
-    }
+    columns = enumerate(found[: len(across)])
+    points = {(i, j): result for i, column in columns for j, result in enumerate(column) if result}
     closed = {place: result.performance for place, result in points.items() if result.status == "ok"}
     figures = {place: closed.get(place) for place in itertools.product(range(len(across)), range(len(down)))}
     reach = tuple(envelope(figures, (across, down), asked.bounds))

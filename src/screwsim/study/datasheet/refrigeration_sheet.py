@@ -123,9 +123,8 @@ def rating_request(
     base = rating.without_sweep(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
     across = axis_values(base, EVAPORATING, evaporating, "--evaporating", rating.swept_values(scene, EVAPORATING))
     down = axis_values(base, second, condensing, "--condensing", rating.swept_values(scene, second))
-    return SceneRequest(
-        scenes=(base,), across=across, down=down, bounds=bounds, controls=controls(scene), ratios=ratios(scene)
-    )
+    varied = {"controls": controls(scene), "ratios": ratios(scene)}
+    return SceneRequest(scenes=(base,), across=across, down=down, bounds=bounds, **varied)
 
 
 def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tuple[float, ...]) -> Axis:

@@ -83,10 +83,11 @@ def _cell(chain: StageChain, name: str, value: Any) -> str:
 
 
 def _where(chain: StageChain, point: ChainPoint) -> str:
-    parts = (
-        (name, _cell(chain, name, value), in_customary(chain, name, value)[1]) for name, value in point.values.items()
-    )
-    return ", ".join(f"{name} {cell} {with_printed_units(unit)}".rstrip() for name, cell, unit in parts)
+    parts = []
+    for name, value in point.values.items():
+        unit = with_printed_units(in_customary(chain, name, value)[1])
+        parts.append(f"{name} {_cell(chain, name, value)} {unit}".rstrip())
+    return ", ".join(parts)
 
 
 def _notes(chain: StageChain, points: Sequence[ChainPoint]) -> Iterator[str]:

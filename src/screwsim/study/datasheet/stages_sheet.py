@@ -104,9 +104,8 @@ def _columns(rated: ChainRating) -> tuple[Column, ...]:
     """Return the columns with a table each; the first three are capacity (or flow), power, COP (or efficiency)."""
     own, cold = rated.own.performance, refrigerates(rated.asked.chain)
     kw = tables.decimals_of(KW * (own.get("shaft_power") or 1e5))
-    mass = Column(
-        FLOW, "Mass flow into the first stage [kg/h]", HOUR, tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
-    )
+    flow = tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
+    mass = Column(FLOW, "Mass flow into the first stage [kg/h]", HOUR, flow)
     capacity, power, cop = refrigeration_sheet.main_columns(rated, kw)
     efficiency = Column("isentropic_efficiency", "Isentropic efficiency of the shaft power [%]", PERCENT, 1)
     head = (capacity, power, cop) if cold else (mass, power, efficiency)

@@ -95,12 +95,11 @@ def main_heads(rated: Rating, columns: Sequence[Column]) -> list[tuple[str, Colu
 def tables_of(rated: Rating, columns: Sequence[Column]) -> Iterator[Table]:
     """Yield the table of each column."""
     asked = rated.asked
-    across = (shown_at(asked.across, value) for value in asked.across.values)
-    heads = [asked.sides[1], *(value.replace(" ", BLANK) for value in across)]
+    across = [shown_at(asked.across, value).replace(" ", BLANK) for value in asked.across.values]
+    heads = [asked.sides[1], *across]
     for column in columns:
-        cells = [
-            [_cell(rated, column, i, j) for i in range(len(asked.across.values))] for j in range(len(asked.down.values))
-        ]
+        places = ([(i, j) for i in range(len(across))] for j in range(len(asked.down.values)))
+        cells = [[_cell(rated, column, *place) for place in row] for row in places]
         marked = any(beyond for row in cells for _, beyond in row)
         texts = [[text if marked else text.rstrip(BLANK) for text, _ in row] for row in cells]
         rows = [[shown_at(asked.down, value), *row] for value, row in zip(asked.down.values, texts, strict=True)]

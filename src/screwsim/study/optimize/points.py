@@ -214,9 +214,8 @@ def _from_file(scene: Scene, name: str) -> OperatingPoints:
     with sheet_or_usage_error("name a CSV file in UTF-8", f"--over {name}"):
         sheet = read_sheet(name)
     if not 1 <= len(sheet.rows) <= MOST_POINTS:
-        raise UsageError(
-            f"--over {name}: has {len(sheet.rows)} points (write 1 to {MOST_POINTS}, a line each; {_EXAMPLE})"
-        )
+        remedy = f"write 1 to {MOST_POINTS}, a line each; {_EXAMPLE}"
+        raise UsageError(f"--over {name}: has {len(sheet.rows)} points ({remedy})")
     columns = [_column(scene, text, f"--over {name} line {sheet.head.line}") for text in sheet.head.cells]
     kinds = [column.kind for column in columns]
     if "weight" in kinds and "energy" in kinds:

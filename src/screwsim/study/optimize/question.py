@@ -105,9 +105,8 @@ def _operating_points(scene: Varied, over: str | OperatingPoints | None, spans: 
         return SINGLE_POINT
     both = {span.path for span in spans} & {path for point in points.points for path in point.values}
     if both:
-        raise UsageError(
-            f"--vary {min(both)}: is also set by the operating points of --over (remove it from one of the two)"
-        )
+        what = "is also set by the operating points of --over"
+        raise UsageError(f"--vary {min(both)}: {what} (remove it from one of the two)")
     if any(point.load is not None for point in points.points):
         check_continuous(scene, points.by)
         figure_of(scene, "cooling_capacity", "--over")

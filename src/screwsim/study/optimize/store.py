@@ -97,11 +97,9 @@ def _refuse_others(parts: Parts, own: dict[str, Any]) -> None:
     found = found if isinstance(found, dict) else unpacked(found) or {}
     if found.get(QUESTION_KEY) != own["identity"][QUESTION_KEY] or stored.get("scene_sha256") != own["scene_sha256"]:
         raise UsageError(f"{parts.folder}: holds evaluations of another optimisation (choose another -o, or --restart)")
-    what = differences(found, own["identity"])
-    if what:
-        raise UsageError(
-            f"{parts.folder}: holds evaluations of this optimisation, but {what} (--restart computes them again)"
-        )
+    if what := differences(found, own["identity"]):
+        why = f"holds evaluations of this optimisation, but {what}"
+        raise UsageError(f"{parts.folder}: {why} (--restart computes them again)")
 
 
 def write(output: Path, record: Record, feasible: np.ndarray, front: np.ndarray) -> None:

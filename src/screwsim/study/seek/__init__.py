@@ -110,10 +110,8 @@ def find(
     given = scene_or_stages(scene)
     asked = question(given, vary, goals, catalogue)
     alone = case(with_sweep_over(given, ()), 0)
-    told = ReportedSimulation(
-        simulate or _simulation_of(given), progress_of("find", progress), EXPECTED_SOLUTIONS * len(asked.spans)
-    )
-    with told:
+    simulate, expected = simulate or _simulation_of(given), EXPECTED_SOLUTIONS * len(asked.spans)
+    with ReportedSimulation(simulate, progress_of("find", progress), expected) as told:
         return find_each(alone, asked, jobs=1, simulate=told)[0]
 
 
@@ -172,6 +170,5 @@ def _with_catalogue_size(trials: Trials, found: GoalSeekAnswer, met: Trial | Non
 
 def rounded(scene: Varied, values: Mapping[str, float]) -> dict[str, float]:
     """Return values [SI] as they are written: with `VALUE_DIGITS` digits in the customary unit."""
-    return {
-        path: read_text(scene, path, shown_value(scene, path, value, VALUE_DIGITS)) for path, value in values.items()
-    }
+    written = {path: shown_value(scene, path, value, VALUE_DIGITS) for path, value in values.items()}
+    return {path: read_text(scene, path, text) for path, text in written.items()}

@@ -59,10 +59,9 @@ class GoalSeekAnswer(Brief):
     result: Result | None = None
 
     def _about(self) -> About:
-        scene = self.scene
-        rows = [
-            ("at", path, f"{value:.6g}" if isinstance(value, float) else str(value)) for path, value in self.at.items()
-        ]
+        scene, rows = self.scene, []
+        for path, value in self.at.items():
+            rows.append(("at", path, f"{value:.6g}" if isinstance(value, float) else str(value)))
         for path, value in self.values.items():
             rows.append(("value", path, f"{value:.6g} (SI)" if scene is None else shown_value(scene, path, value)))
         rows += [("figure", name, shown_figure(name, value)) for name, value in self.figures.items()]

@@ -1,7 +1,7 @@
 """Solutions of one search for goals: figures minus their goals over places 0 … 1, and what went wrong."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 from screwsim.figures import declared
 from screwsim.outputs import Result
@@ -123,8 +123,9 @@ class ReportedSimulation:
         self._progress = progress
         self._expected = self._left = expected
 
-    def __enter__(self) -> None:
+    def __enter__(self) -> Self:
         self._progress.start(self._expected, 0)
+        return self
 
     def __call__(self, scene: Varied) -> Result:
         result = self._simulate(scene)

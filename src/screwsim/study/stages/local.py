@@ -37,7 +37,7 @@ def chain_sensitivities(
     result = found.as_result()
     if found.status != "ok":
         return Sensitivities(result)
-    p = float(found.performance.intermediate_pressure)
+    p, wanted = float(found.performance.intermediate_pressure), STAGES.keys() & (names or STAGES)
     steps = {name: STEP * (abs(value) or (p if name.startswith(BETWEEN) else 1.0)) for name, value in values.items()}
     try:
         linear = linear_chain(chain, found, values, fine)
@@ -48,9 +48,7 @@ def chain_sensitivities(
         result,
         values=slopes.values,
         units={name: getattr(chain.leaf_of(name).dimension, "si", "1") for name in slopes.values},
-        derivatives={
-            name: by for name, by in slopes.whole.items() if name in (names or slopes.whole) and name in STAGES
-        },
+        derivatives={name: by for name, by in slopes.whole.items() if name in wanted},
         method=slopes.methods,
         why={
             f"{stage}.{path}": why

@@ -13,12 +13,8 @@ _MOTORS, _AIR, _CONDENSER = "motors", "air", "condenser"
 
 def absences(first: Scene, second: Scene) -> dict[str, str]:
     """Return in words, by need, what both scenes do not have of what some figures of both together need."""
-    found = {}
-    still = [
-        name
-        for name, scene in zip(STAGE_NAMES, (first, second), strict=True)
-        if "electrical_power" not in figures_of(scene)
-    ]
+    found, scenes = {}, zip(STAGE_NAMES, (first, second), strict=True)
+    still = [name for name, scene in scenes if "electrical_power" not in figures_of(scene)]
     if still:
         found[_MOTORS] = f"a motor in the {still[0]} scene" if len(still) == 1 else "a motor in both scenes"
     if first.gas.name.lower() != AIR:

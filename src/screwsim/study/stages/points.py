@@ -144,7 +144,7 @@ def sweep_stages(
     parallel_map(
         partial(_solved, base, [values[number] for number in missing], warm),
         len(missing),
-        died=_dead_worker,
+        died=lambda number: chain_point(ChainResult("failed", WORKER_DIED), _without_curves),
         jobs=jobs,
         progress=progress,
         kept=keep,
@@ -159,7 +159,3 @@ def _solved(base: StageChain, values: Sequence[Mapping[str, Any]], warm: bool, n
 
 def _without_curves(_: Scene, result: Result) -> Result:
     return replace(result, cycle={}, ledger=Figures())
-
-
-def _dead_worker(number: int) -> ChainPoint:
-    return chain_point(ChainResult("failed", message=WORKER_DIED), _without_curves)

@@ -123,10 +123,8 @@ class StageChain:
         scenes = self.by_stage.values()
         if any(scene.numerics.rtol is not None for scene in scenes):
             return None
-        first, second = (
-            replace(each, numerics=replace(each.numerics, accuracy=min(each.numerics.accuracy, accuracy)))
-            for each in scenes
-        )
+        finer = (replace(each.numerics, accuracy=min(each.numerics.accuracy, accuracy)) for each in scenes)
+        first, second = (replace(each, numerics=own) for each, own in zip(scenes, finer, strict=True))
         return replace(self, first=first, second=second)
 
     def value_at(self, path: str) -> Any:
@@ -233,10 +231,9 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults)
         what = "takes gauge pressures over one ambient_pressure, and the scenes have two (state the same in both)"
         problems.add(content["sweep"].place, "sweep", what)
         return None
+    leaf = partial(leaf_in_chain, chain)
     with gauge_pressures_over(ambient):
-        sweep, joints = read_sweep_of(
-            content.get("sweep"), partial(leaf_in_chain, chain), problems, "first.operation.speed"
-        )
+        sweep, joints = read_sweep_of(content.get("sweep"), leaf, problems, "first.operation.speed")
     return replace(chain, sweep=sweep, joints=joints)
 
 
@@ -256,9 +253,8 @@ def _scenes(files: list[str], overrides: dict[str, list[str]]) -> list[Scene]:
 def _files(root: Node, node: Node, problems: LocatedFaults) -> list[str] | None:
     names = [item.value for item in node.value] if isinstance(node.value, list) else None
     if names is None or len(names) != len(STAGE_NAMES) or not all(isinstance(name, str) for name in names):
-        problems.add(
-            node.place, STAGES_KEY, f"is {shown(names or node.value)}, not the files of two scenes ({_REMEDY})"
-        )
+        what = f"is {shown(names or node.value)}, not the files of two scenes"
+        problems.add(node.place, STAGES_KEY, f"{what} ({_REMEDY})")
         return None
     files = [os.path.join(root.place.folder, name) for name in names]
     for item, file in zip(node.value, files, strict=True):

@@ -43,12 +43,8 @@ class ChainResult:
 
     def as_result(self) -> Result:
         """Return the figures of the whole as the result of one machine, with the warnings of both stages."""
-        own = [
-            f"{which} stage: {text}"
-            for which, each in zip(STAGE_NAMES, self.stages, strict=False)
-            for text in each.warnings
-        ]
-        warnings = (*self.warnings, *own)
+        named = zip(STAGE_NAMES, self.stages, strict=False)
+        warnings = (*self.warnings, *(f"{which} stage: {text}" for which, each in named for text in each.warnings))
         figures = {"performance": self.performance, "error": self.error, "uncertainty": self.uncertainty}
         return Result(self.status, self.message, warnings, notes=self.notes, **figures)
 
@@ -146,19 +142,14 @@ def chain_errors(
     known = zeros_for_none(found)
     scales = {name: STAGES[name].scale for name, value in found.items() if value is not None}
     sizes = {name: error_scale(name, scale, known) for name, scale in scales.items() if not scale.unasked}
-    return Figures(
-        {
-            name: (off[name] + shift * by_pressure[name]) / max(sizes[name], 1e-300) if name in sizes else None
-            for name in found
-        }
-    )
+    errors = {name: off[name] + shift * by_pressure[name] for name in found}
+    return Figures({name: by / max(sizes[name], 1e-300) if name in sizes else None for name, by in errors.items()})
 
 
 def delivery_temperature_figure(first: Result) -> str:
     """Return the figure that is the temperature of the first stage's gas: behind its separator, where it has oil."""
-    return (
-        "discharge_temperature" if first.performance.get("separator_temperature") is None else "separator_temperature"
-    )
+    separated = first.performance.get("separator_temperature") is not None
+    return "separator_temperature" if separated else "discharge_temperature"
 
 
 def _stage_errors(results: tuple[Result, ...]) -> Iterator[tuple[int, str, float]]:

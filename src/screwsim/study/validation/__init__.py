@@ -117,9 +117,8 @@ def run_sources(
             hint = f"did you mean {near}?" if near else f"known: {', '.join(known)}"
             raise UsageError(f"{name}: no source of that name in {folder} ({hint})")
     wanted = list(dict.fromkeys(names)) or known
-    begun = sorted(
-        wanted, key=lambda name: LONGEST_SOURCES.index(name) if name in LONGEST_SOURCES else len(LONGEST_SOURCES)
-    )
+    long = [name for name in LONGEST_SOURCES if name in wanted]
+    begun = [*long, *(name for name in wanted if name not in long)]
     finished: dict[int, SourceOutcome] = {}
 
     def ordered(outcomes: Iterable[SourceOutcome]) -> list[SourceOutcome]:

@@ -84,9 +84,8 @@ def model_errors(points: Sequence[ValidationPoint], source: str, citation: str) 
 def _figures(points: Sequence[ValidationPoint]) -> Iterator[tuple[str, dict[str, Any]]]:
     for figure, own in grouped((point.figure, point) for point in points).items():
         mine = [[point for point in own if point.fitted is fit] for fit in (False, True)]
-        unknown = [
-            word for part, word in UNCERTAINTY_PARTS.items() if any(getattr(point, part) is None for point in mine[0])
-        ]
+        parts = UNCERTAINTY_PARTS.items()
+        unknown = [word for part, word in parts if any(getattr(point, part) is None for point in mine[0])]
         held, fitted = map(_statistics, mine)
         yield figure, {"relative": is_relative(figure), "held_out": held, "fitted": fitted, "not_stated": unknown}
 
