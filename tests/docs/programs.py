@@ -53,6 +53,7 @@ print(it.Paper().residuals(it.starts(1)[0][1]))" """,
     "python scripts/connecting_rod.py": Program(long=True),
     "python docs/tools/slider_crank_numbers.py": Program(long=True),
     "python docs/tools/oil_ratio.py": Program(long=True),
+    "python docs/tools/package_coolers.py": Program(long=True),
 }
 
 

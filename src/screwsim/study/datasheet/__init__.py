@@ -65,8 +65,8 @@ def sheet_of(subject: Scene | StageChain, asked: SheetOptions) -> Sheet:
     the scene's sweep; for a gas compressor or an expander, whose scenes state pressures, --suction and --discharge are
     ('4 bar..6 bar'). `limits` state what must hold ('discharge_temperature<110 degC'); `heating` adds the tables of a
     heat pump. An air package (of two stages: air with two motors) takes none of these, but a `profile`, a CSV file of
-    flows and hours. Where a scene states tolerances, or names the validation of its model, lines give the resulting
-    uncertainties of its own point.
+    flows and hours, and one of a single stage limits of temperatures, for its hottest room. Where a scene states
+    tolerances, or names the validation of its model, lines give the resulting uncertainties of its own point.
     """
     sheet = _sheet_of_scene(subject, asked) if isinstance(subject, Scene) else _sheet_of_stages(subject, asked)
     own = _own_point(subject)
@@ -77,10 +77,11 @@ def _sheet_of_scene(scene: Scene, asked: SheetOptions) -> Sheet:
     if package_of(scene) is not None and scene.gas.name.lower() == "air":
         from screwsim.study.datasheet.air_rating import rating as air_rating
         from screwsim.study.datasheet.air_sheet import air_sheet
+        from screwsim.study.datasheet.hottest_room import room_limits
 
-        _refuse_unused_options(asked.of_points, "the scene is an air package")
-        demands = asked.demands
-        return air_sheet(scene, air_rating(scene, asked.progress), demands)
+        _refuse_unused_options({**asked.of_points, "--limit": None}, "the scene is an air package")
+        demands, bounds = asked.demands, room_limits(scene, asked.limits)
+        return air_sheet(scene, air_rating(scene, asked.progress, bounds), demands)
     _refuse_unused_options({"--profile": asked.profile}, "the scene is not one")
     from screwsim.study.datasheet.rated import rating
 

@@ -12,6 +12,7 @@ from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
+from screwsim.study.datasheet.hottest_room import room_documents, room_lines
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, warning_lines
 from screwsim.study.datasheet.tables import document_figures
 
@@ -22,7 +23,8 @@ SEPARATED, COOLED, PACKAGE_VAPOUR = "condensate_flow", "aftercooler_condensate_f
 HEADS = ("rpm", "m³/min", "acfm", "% of full", "kW", "kW/ (m³/min)", "kW/ 100 acfm", "isentropic %")
 DOCUMENT_FIGURES = (
     FREE_AIR, POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
-    "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "aftercooler_duty",
+    "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "oil_cooler_load",
+    "aftercooler_duty", "mixture_discharge_temperature", "oil_supply_temperature",
     "humidity_ratio", "pressure_dew_point", "package_dew_point", "water_flow", SEPARATED, COOLED, PACKAGE_VAPOUR,
 )  # fmt: skip
 HUMID_FIGURES = (
@@ -104,11 +106,14 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
         yield "losses", f"{before}{behind}, at full flow"
         if found.get("package_heat") is not None:
             oil = f"{found['oil_cooler_duty'] / KW:.1f} kW of it in the oil cooler"
+            load = found.get("oil_cooler_load")
+            oil += "" if load is None else f", which is loaded to {_percent(load)}"
             yield "heat", f"{found['package_heat'] / KW:.1f} kW at full flow, {oil}"
             outlet = found["package_discharge_temperature"] - ZERO_CELSIUS
             yield "outlet", f"air at {outlet:.1f} °C"
         if humid:
             yield "water", _water(found)
+    yield from room_lines(rated.rooms)
     yield "zero flow", _unloaded(rated)
 
 
@@ -199,6 +204,7 @@ def _document(scene: Scene, rated: Rating) -> dict[str, Any]:
         "discharge_pressure": at.p_d,
         "points": [_figures(point) for point in rated.points],
         "unloaded": None if rated.unloaded is None else _figures(rated.unloaded),
+        **({"hottest_room": room_documents(rated.rooms)} if rated.rooms else {}),
         "regulation": None
         if regulation is None
         else {
