@@ -49,6 +49,7 @@ ALLOWED = {
     "study/datasheet/air_sheet.py": ({"air_package", "motor"}, STUDY),
     "study/datasheet/bounds.py": ({"motor"}, STUDY),
     "study/datasheet/gas_sheet.py": ({"air_package"}, STUDY),
+    "study/datasheet/hottest_room.py": ({"separator"}, STUDY),
     "study/datasheet/refrigeration_sheet.py": ({"economizer"}, STUDY),
     "study/datasheet/tables.py": ({"motor", "separator"}, STUDY),
     "study/part_load.py": ({"slide_valve", "suction_throttle", "bypass"}, STUDY),
