@@ -5,12 +5,14 @@ from typing import Any
 
 from screwsim.effects.air_package import FREE_AIR
 from screwsim.effects.parts.rating import CFM, PSI, WEIGHTS
+from screwsim.outputs import Result
 from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
+from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_document, lives_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.hottest_room import room_documents, room_lines
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, warning_lines
@@ -26,6 +28,7 @@ DOCUMENT_FIGURES = (
     "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "oil_cooler_load",
     "aftercooler_duty", "mixture_discharge_temperature", "oil_supply_temperature",
     "humidity_ratio", "pressure_dew_point", "package_dew_point", "water_flow", SEPARATED, COOLED, PACKAGE_VAPOUR,
+    *LIFE_FIGURES,
 )  # fmt: skip
 HUMID_FIGURES = (
     "rated with humid air: free air delivery includes the water that condensed on the way, as volume at inlet "
@@ -43,13 +46,23 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
         heading="Air package, rating by ISO 1217",
         title=with_printed_units(scene.title),
         lines=list(_lines(scene, rated)),
-        tables=[Table("Points", HEADS, rows), *([year_table(rated, shares)] if shares else [])],
+        tables=[
+            Table("Points", HEADS, rows),
+            *([year_table(rated, shares)] if shares else []),
+            *lives_table(_named_points(rated)),
+        ],
         verdict=_verdict(rated.regulation),
         notes=list(_notes(scene, every)),
         drawings=list(drawings_of(rated)),
         document={**_document(scene, rated), **({"profile": year_document(shares)} if shares else {})},
         ok=all(point.ok for point in every),
     )
+
+
+def _named_points(rated: Rating) -> list[tuple[str, Result]]:
+    """Return the results of all points with their names, that of full flow first."""
+    named = [(f"{point.speed / RPM:.0f} rpm", point.result) for point in rated.points]
+    return named if rated.unloaded is None else [*named, ("zero flow", rated.unloaded.result)]
 
 
 def drawings_of(rated: Rating) -> Iterator[Drawing]:
@@ -204,6 +217,7 @@ def _document(scene: Scene, rated: Rating) -> dict[str, Any]:
         "discharge_pressure": at.p_d,
         "points": [_figures(point) for point in rated.points],
         "unloaded": None if rated.unloaded is None else _figures(rated.unloaded),
+        **lives_document(_named_points(rated)),
         **({"hottest_room": room_documents(rated.rooms)} if rated.rooms else {}),
         "regulation": None
         if regulation is None

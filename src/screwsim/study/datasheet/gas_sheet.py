@@ -18,6 +18,7 @@ from screwsim.scene.types import STANDARD_ATMOSPHERE
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet import rated as rating
 from screwsim.study.datasheet import tables
+from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.rated import Axis, SceneRating, SceneRequest, celsius, pressure_ratio
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
@@ -31,7 +32,7 @@ ELECTRICAL_FIGURES = "electrical_power", "electrical_isentropic_efficiency"
 DOCUMENT_FIGURES = (
     FLOW, "shaft_power", "output_power", *ELECTRICAL_FIGURES, ISENTROPIC, "volumetric_efficiency", FILLING, DISCHARGE,
     "suction_pressure", "discharge_pressure", "pressure_ratio", "peak_pressure", DUTY, "oil_flow_volume",
-    "oil_supply_temperature", "oil_flow_ratio", "separator_temperature",
+    "oil_supply_temperature", "oil_flow_ratio", "separator_temperature", *LIFE_FIGURES,
 )  # fmt: skip
 PACKAGE_REMEDY = "a package with filter, cooler and fan is rated by ISO 1217 (name effects.air_package)"
 NORMAL_CONDITIONS = "Nm³/h: as an ideal gas at 0 °C and 1.01325 bar"
@@ -179,6 +180,7 @@ def _tables(rated: SceneRating) -> Iterator[Table]:
     columns = _columns(rated)
     yield from tables.tables_of(rated, columns)
     yield from tables.envelope_table(rated)
+    yield from lives_table(tables.points_within_limits(rated, _own_point(rated)))
     if _expands(rated):
         return
     load = f"mass flow relative to that of the scene itself, at {_own_point(rated)}"
@@ -211,7 +213,7 @@ def _document(rated: SceneRating) -> dict[str, Any]:
         "pressure_ratio": pressure_ratio(scene),
         # m³ per kilogram at 0 °C and 1.01325 bar, as an ideal gas without water
         "normal_volume": normal_factor(scene) / HOUR * dry_share(rated.own.performance),
-        **tables.document_of(rated, DOCUMENT_FIGURES),
+        **tables.document_of(rated, DOCUMENT_FIGURES, _own_point(rated)),
     }
 
 

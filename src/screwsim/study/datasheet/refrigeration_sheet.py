@@ -15,6 +15,7 @@ from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet import rated as rating
 from screwsim.study.datasheet import tables
+from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
 from screwsim.study.datasheet.rated import Axis, Rating, RatingRequest, SceneRating, SceneRequest, celsius
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
 from screwsim.study.datasheet.tables import DUTY, HOUR, KW, Column
@@ -35,7 +36,7 @@ DOCUMENT_FIGURES = (
     CAPACITY, *SHAFT, *ELECTRICAL, HEATING, *HEATING_COPS, FLOW, DISCHARGE, "suction_pressure", "discharge_pressure",
     "volumetric_efficiency",
     "isentropic_efficiency", "peak_pressure", DUTY, "oil_flow_volume", "oil_supply_temperature", "oil_flow_ratio",
-    "separator_temperature", ECONOMIZER_FLOW, ECONOMIZER_T, ECONOMIZER_P, ECONOMIZER_GAIN,
+    "separator_temperature", ECONOMIZER_FLOW, ECONOMIZER_T, ECONOMIZER_P, ECONOMIZER_GAIN, *LIFE_FIGURES,
 )  # fmt: skip
 PEAK_FIGURES = DISCHARGE, "discharge_pressure", "shaft_power"
 DISCLAIMER = "computed, not measured: no tolerance of EN 12900 or AHRI 540 applies, and no third party verified it"
@@ -57,7 +58,7 @@ def refrigeration_sheet(rated: SceneRating, heating: bool = False) -> Sheet:
             "refrigerant": scene.gas.name,
             "superheat": scene.operation.superheat,
             "subcooling": scene.operation.subcooling,
-            **tables.document_of(rated, DOCUMENT_FIGURES),
+            **tables.document_of(rated, DOCUMENT_FIGURES, own_point(rated.asked)),
         },
         ok=rated.ok,
     )
@@ -208,6 +209,7 @@ def tables_of(rated: SceneRating, heating: bool) -> Iterator[Table]:
     yield from tables.tables_of(rated, (*columns, *heating_columns(rated)) if heating else columns)
     cooled = rated.asked.down.path == GAS_COOLER_P
     yield from tables.envelope_table(rated, "pressure of the gas cooler" if cooled else "")
+    yield from lives_table(tables.points_within_limits(rated, own_point(rated.asked)))
     load = f"cooling capacity relative to that of the scene itself, at {own_point(rated.asked)}"
     note = tables.part_load_note(rated, load, "COP")
     discharge = ("discharge °C", columns[4])

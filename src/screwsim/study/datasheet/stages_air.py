@@ -100,6 +100,7 @@ def _stage_tables(
 ) -> Iterator[Table]:
     """Yield the table of both stages at full flow, and at variable speed their figures at each point."""
     yield from stages_sheet.each_stage_table(found[0], "Each stage at full flow")
+    yield from stages_sheet.stage_lives_tables(list(zip(_names(speeds), found, strict=True)))
     if len(points) > 1:
         columns = [column for column in STAGE_HEADS if any(column.figure in one.performance for one in found)]
         rows = []
@@ -140,11 +141,14 @@ def _loss(found: Result) -> str:
     return " and ".join(f"{1e-2 * loss:.0f} mbar {where} its machine" for loss, where in parts if loss)
 
 
+def _names(speeds: Sequence[tuple[float, float]]) -> list[str]:
+    return [f"{stages_sheet.RPM * own[0]:.0f} and {stages_sheet.RPM * own[1]:.0f} rpm" for own in speeds]
+
+
 def _notes(chain: StageChain, speeds: Sequence[tuple[float, float]], points: Sequence[Point]) -> Iterator[str]:
-    names = (f"{stages_sheet.RPM * own[0]:.0f} and {stages_sheet.RPM * own[1]:.0f} rpm" for own in speeds)
     yield from air_sheet.inlet_note(chain.first)
     yield from stages_sheet.ignored_model_errors(chain)
-    yield from air_sheet.point_notes(list(zip(names, points, strict=True)))
+    yield from air_sheet.point_notes(list(zip(_names(speeds), points, strict=True)))
     yield NO_VERDICT
     yield air_sheet.DISCLAIMER
 

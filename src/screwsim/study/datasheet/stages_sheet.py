@@ -16,6 +16,7 @@ from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet, tables
+from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, TITLE, lives_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.rated import celsius
 from screwsim.study.datasheet.refrigeration_sheet import own_point
@@ -58,7 +59,7 @@ EACH_STAGE = (  # figures of a stage, a row each
     Column(DUTY, "oil cooler duty [kW]", KW, 2),
 )
 BETWEEN = {NOTHING: "no cooler", COOLS: "a cooler", FLASHES: "a flash tank, whose vapour mixes in"}
-STAGE_FIGURES = tuple(column.figure for column in EACH_STAGE)
+STAGE_FIGURES = (*(column.figure for column in EACH_STAGE), *LIFE_FIGURES)
 
 
 def stages_sheet(rated: ChainRating, heating: bool = False) -> Sheet:
@@ -126,6 +127,7 @@ def _columns(rated: ChainRating) -> tuple[Column, ...]:
 def _tables(rated: ChainRating, heating: bool) -> Iterator[Table]:
     columns, own = _columns(rated), own_point(rated.asked)
     yield from each_stage_table(rated.both, f"Each stage at {own}")
+    yield from stage_lives_tables([(own, rated.both)])
     more = refrigeration_sheet.heating_columns(rated) if heating else ()
     yield from tables.tables_of(rated, (*columns, *more))
     yield from tables.envelope_table(rated)
@@ -189,7 +191,7 @@ def _drawings(rated: ChainRating) -> Iterator[Drawing]:
 
 def _document(rated: ChainRating) -> dict[str, Any]:
     chain = rated.asked.chain
-    found = tables.document_of(rated, DOCUMENT_FIGURES)
+    found = tables.document_of(rated, DOCUMENT_FIGURES, own_point(rated.asked))
     by_second = [{"share": share, **tables.document_figures(one, DOCUMENT_FIGURES)} for share, one in rated.by_second]
     return {
         "kind": f"two_stage_{'refrigeration' if refrigerates(chain) else 'gas'}",
@@ -216,6 +218,15 @@ def each_stage_table(found: ChainResult, title: str) -> Iterator[Table]:
         if column.figure == "electrical_power" and any(loads):
             rows.append(["load of its motor [%]", *(load or NONE for load in loads)])
     yield Table(title, (BLANK, *(f"{name} stage" for name in STAGE_NAMES)), rows, left=1)
+
+
+def stage_lives_tables(points: Sequence[tuple[str, ChainResult]]) -> Iterator[Table]:
+    """Yield the table of the bearings of each stage over points (name, result), of which the first is the own one."""
+    if points[0][1].status != "ok":
+        return
+    closed = [(where, found.stages) for where, found in points if found.status == "ok"]
+    for k, name in enumerate(STAGE_NAMES):
+        yield from lives_table([(where, stages[k]) for where, stages in closed], f"{TITLE} of the {name} stage")
 
 
 def _motor_load(scene: Scene, found: Result) -> str:

@@ -13,6 +13,7 @@ from screwsim.outputs.display import picked
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING
+from screwsim.study.datasheet.bearing_lives import lives_document
 from screwsim.study.datasheet.bounds import bound_words, exceeded_bounds, limit_text, motor_of
 from screwsim.study.datasheet.rated import Axis, Rating, celsius
 from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
@@ -222,8 +223,11 @@ def document_figures(result: Result, names: Sequence[str]) -> dict[str, Any]:
     return picked(result, "status", "message", "warnings") | found
 
 
-def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
-    """Return points, limits, envelope and part load for programs (SI units)."""
+def document_of(rated: Rating, names: Sequence[str], own: str) -> dict[str, Any]:
+    """Return points, limits, envelope, part load and bearings for programs (SI units).
+
+    `own` is the scene's point in words.
+    """
     asked = rated.asked
     first, second = (axis.path.removeprefix("operation.").replace(".", "_") for axis in (asked.across, asked.down))
     points = []
@@ -243,6 +247,7 @@ def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
             {first: each.at, second: [each.low, each.high], "ends": [each.below, each.above]} for each in rated.reach
         ],
         "part_load": [_control(load, names) for load in rated.loads],
+        **lives_document(points_within_limits(rated, own)),
         "warnings": list(dict.fromkeys(text for result in every for text in result.warnings)),
     }
 
@@ -329,12 +334,24 @@ def _highest(rated: Rating, figure: str) -> str:
     return f"{limit_text(figure, value)} at {place_of(rated, i, j)}"
 
 
+def points_within_limits(rated: Rating, own: str) -> list[tuple[str, Result]]:
+    """Return the results of the own point, and of those of table and part load within all limits, with their names."""
+    within = [
+        (name, one) for name, one in _named_points(rated) if not exceeded_bounds(one.performance, rated.asked.bounds)
+    ]
+    return [(own, rated.own), *within]
+
+
+def _named_points(rated: Rating) -> Iterator[tuple[str, Result]]:
+    """Yield the results over the table, and of part load below full load."""
+    yield from ((place_of(rated, i, j), result) for (i, j), result in rated.points.items())
+    for each in rated.loads:
+        yield from ((f"{each.control.name} at {100.0 * step.load:.0f} %", step.result) for step in each.steps[1:])
+
+
 def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
     """Yield failures and warnings of points, each once with its place; `own` is the scene's point in words."""
-    every = [(own, rated.own)]
-    every += [(place_of(rated, i, j), result) for (i, j), result in rated.points.items()]
-    for each in rated.loads:
-        every += [(f"{each.control.name} at {100.0 * step.load:.0f} %", step.result) for step in each.steps[1:]]
+    every = [(own, rated.own), *_named_points(rated)]
     failed = [(where, [result.told]) for where, result in every if result.status != "ok"]
     yield from warning_lines(failed, len(every))
     for each in rated.loads:
