@@ -82,5 +82,5 @@ def test_each_stage_of_two_has_its_bearings():
     sheet = sheet_of(replace(read_stages(file, [bearings]), sweep={}, joints=()), SheetOptions())
     (table,) = (each for each in sheet.tables if each.title.startswith(TITLE))
     assert table.title == f"{TITLE} of the second stage"
-    _, second = sheet.document["stages"]
+    ((_, second),) = sheet.document["stages"]
     assert float(table.rows[-1][2]) == pytest.approx(second["male_axial_bearing_life"] / HOUR, rel=5e-3)
