@@ -20,6 +20,7 @@ from screwsim.scene.lines import lines
 from screwsim.simulate import simulate_many
 from screwsim.study.datasheet.hottest_room import Room, hottest_rooms
 from screwsim.study.datasheet.rated import without_sweep
+from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.goals import Bound
 from screwsim.study.progress import Progress
 
@@ -77,6 +78,7 @@ class Rating:
     variable: bool
     coolant: str
     rooms: Sequence[Room] = ()
+    units: Units = METRIC
 
     @property
     def full(self) -> Point:

@@ -11,8 +11,9 @@ from screwsim.effects.parts.bearing_set import AXIAL, ENDS, SET_LIFE
 from screwsim.machine.rotors.loads import NAMES
 from screwsim.outputs import Result
 from screwsim.study.datasheet.sheet import Table
+from screwsim.study.datasheet.units import METRIC, Units
 
-KN, HOUR, DIGITS = 1e3, 3600.0, 3  # N, s, significant digits of a life, of which nothing is known more closely
+HOUR, DIGITS = 3600.0, 3  # s, significant digits of a life, of which nothing is known more closely
 BEARINGS = tuple(f"{rotor}_{place}" for rotor, place in product(NAMES, (*ENDS, AXIAL)))
 LOAD, LIFE = "{}_bearing_equivalent_load", "{}_bearing_life"
 LIFE_FIGURES = (*(name.format(each) for each in BEARINGS for name in (LOAD, LIFE)), SET_LIFE)
@@ -51,15 +52,15 @@ def lives(points: Sequence[tuple[str, Result]]) -> list[Life]:
     return found
 
 
-def lives_table(points: Sequence[tuple[str, Result]], title: str = TITLE) -> Iterator[Table]:
+def lives_table(points: Sequence[tuple[str, Result]], title: str = TITLE, units: Units = METRIC) -> Iterator[Table]:
     """Yield the table of the bearings, if the scene names any; without the shortest lives where there is one point."""
-    found, several = lives(points), len(points) > 1
+    found, several, (factor, unit) = lives(points), len(points) > 1, units.force
     if not any(each.life is not None for each in found):
         return
-    heads = ("bearing", "load kN", "life h", *(("shortest h", "at") if several else ()))
-    rows = []
+    heads = ("bearing", f"load {unit}", "life h", *(("shortest h", "at") if several else ()))
+    rows, decimals = [], 2 if units.force == METRIC.force else 0
     for each in found:
-        load = NONE if each.load is None else f"{each.load / KN:.2f}"
+        load = NONE if each.load is None else f"{factor * each.load:.{decimals}f}"
         row = [each.bearing, load, _hours(each.life)]
         rows.append([*row, _hours(each.shortest), each.at] if several else row)
     yield Table(title, heads, rows, f"load: equivalent, life: at {points[0][0]}; {LEFT_OUT}", left=1, across=several)

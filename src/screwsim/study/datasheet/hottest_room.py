@@ -13,7 +13,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet.bounds import bound_words, limit_text
-from screwsim.study.datasheet.rated import celsius
+from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.goals import Bound, Goal, read_bounds
 from screwsim.study.seek import Question, find_each
 from screwsim.study.spans import Span
@@ -30,6 +30,13 @@ class Room(NamedTuple):
     temperature: float | None
     error: float | None = None
     why: str = ""
+    reached: float | None = None
+
+    def none_in_words(self, units: Units = METRIC) -> str:
+        """Return why there is none; `reached` is the temperature as stated, where that exceeds the limit already."""
+        if self.reached is None:
+            return self.why
+        return f"since it is {limit_text(self.bound.figure, self.reached, units)} as stated"
 
 
 def room_limits(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
@@ -59,8 +66,7 @@ def hottest_rooms(scene: Scene, bounds: Sequence[Bound], full: Result) -> Iterat
         if lacks:
             yield Room(bound, path, None, why=lacks)
         elif full.performance[bound.figure] >= bound.value or at >= bound.value:
-            reached = limit_text(bound.figure, full.performance[bound.figure])
-            yield Room(bound, path, None, why=f"since it is {reached} in that of the scene")
+            yield Room(bound, path, None, reached=full.performance[bound.figure])
         else:
             # beyond its limit the coolant alone would break it
             yield _found(scene, bound, Span(path, at, bound.value, at))
@@ -73,12 +79,14 @@ def _found(scene: Scene, bound: Bound, span: Span) -> Room:
     return Room(bound, span.path, answer.values[span.path], answer.uncertainties.get(span.path))
 
 
-def room_lines(rooms: Sequence[Room]) -> Iterator[tuple[str, str]]:
+def room_lines(rooms: Sequence[Room], units: Units = METRIC) -> Iterator[tuple[str, str]]:
     """Yield the hottest room of each limit, or the warmest coolant, in one line."""
     parts = []
     for room in rooms:
-        found = f"none, {room.why}," if room.temperature is None else f"{celsius(room.temperature):.1f} °C"
-        parts.append(f"{found} for {bound_words(room.bound)}")
+        found = f"none, {room.none_in_words(units)},"
+        if room.temperature is not None:
+            found = units.degrees(room.temperature, ".1f")
+        parts.append(f"{found} for {bound_words(room.bound, units)}")
     if rooms:
         yield ("hottest room" if rooms[0].path == INLET else "coolant up to"), f"{'; '.join(parts)}, at full flow"
 
@@ -92,7 +100,7 @@ def room_documents(rooms: Sequence[Room]) -> list[dict[str, Any]]:
             "path": room.path,
             "temperature": room.temperature,
             "error": room.error,
-            "message": room.why,
+            "message": room.none_in_words(),
         }
         for room in rooms
     ]

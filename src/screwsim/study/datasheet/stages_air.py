@@ -21,9 +21,9 @@ from screwsim.study.datasheet import air_sheet, stages_sheet
 from screwsim.study.datasheet.air_rating import Point, Rating
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
+from screwsim.study.datasheet.columns import BAR, KW, NONE, Column
 from screwsim.study.datasheet.rated import Part, answers_of, celsius
 from screwsim.study.datasheet.sheet import Sheet, Table
-from screwsim.study.datasheet.tables import BAR, KW, NONE, Column
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.study.progress import Progress
 from screwsim.study.stages import ChainResult

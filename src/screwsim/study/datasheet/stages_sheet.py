@@ -18,11 +18,12 @@ from screwsim.scene.lines import lines
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet, tables
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, TITLE, lives_table
 from screwsim.study.datasheet.bounds import motor_of
+from screwsim.study.datasheet.columns import BAR, HOUR, KW, NONE, PERCENT, Column, decimals_of
 from screwsim.study.datasheet.rated import celsius
 from screwsim.study.datasheet.refrigeration_sheet import own_point
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.stages_rating import ChainRating, refrigerates
-from screwsim.study.datasheet.tables import BAR, BLANK, DUTY, HOUR, KW, NONE, PERCENT, Column, Lines
+from screwsim.study.datasheet.tables import BLANK, DUTY, Lines
 from screwsim.study.stages import ChainResult
 from screwsim.study.stages.axes import COOLS, FLASHES, NOTHING, STAGE_NAMES
 from screwsim.study.stages.read import StageChain
@@ -104,11 +105,9 @@ def _point(rated: ChainRating) -> str:
 def _columns(rated: ChainRating) -> tuple[Column, ...]:
     """Return the columns with a table each; the first three are capacity (or flow), power, COP (or efficiency)."""
     own, cold = rated.own.performance, refrigerates(rated.asked.chain)
-    kw = tables.decimals_of(KW * (own.get("shaft_power") or 1e5))
-    mass = Column(
-        FLOW, "Mass flow into the first stage [kg/h]", HOUR, tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
-    )
-    capacity, power, cop = refrigeration_sheet.main_columns(rated, kw)
+    kw = decimals_of(KW * (own.get("shaft_power") or 1e5))
+    mass = Column(FLOW, "Mass flow into the first stage [kg/h]", HOUR, decimals_of(HOUR * (own.get(FLOW) or 1.0)))
+    capacity, power, cop = refrigeration_sheet.main_columns(rated, own.get("shaft_power") or 1e5)
     efficiency = Column("isentropic_efficiency", "Isentropic efficiency of the shaft power [%]", PERCENT, 1)
     head = (capacity, power, cop) if cold else (mass, power, efficiency)
     rest = [Column(INTERMEDIATE, "Intermediate pressure [bar]", BAR, 3)]
