@@ -14,6 +14,7 @@ from screwsim.study.figures import figure_of
 from screwsim.study.varied import Varied
 
 MORE_UNITS = {"W": {"MW": 1e6}, "m3 s-1": {"L/min": 1.0 / 60000.0}, "m3": {"L": 1e-3}, "s": {"h": 3600.0}}
+FAHRENHEIT = "degF"
 MOST_EFFICIENCY = 1.5  # a number without a unit from this one on is meant in %
 
 
@@ -76,16 +77,17 @@ def read_figure(figure: str, text: str, where: str) -> float:
         remedy = f"write a number with one of {listed}" if listed else "write a number"
         what = odd_number_text(odd, "") if odd else f"is not a number with a unit ({remedy})"
         raise UsageError(f"{where}: {text!r} {what}")
-    number, unit = float(match[1]), match[2].strip().replace("°C", CELSIUS).replace("³", "^3").replace("µ", "u")
-    celsius = declared(figure).units == "K"  # a difference of temperatures has no Celsius form
-    if unit == CELSIUS and celsius:
-        return number + ZERO
+    unit = match[2].strip().replace("°C", CELSIUS).replace("°F", FAHRENHEIT).replace("³", "^3").replace("µ", "u")
+    number = float(match[1])
+    scales = (CELSIUS, FAHRENHEIT) if declared(figure).units == "K" else ()  # differences of temperatures have no zero
+    if unit in scales:
+        return ZERO + (number if unit == CELSIUS else (number - 32.0) / 1.8)
     if unit in units:
         if not unit and declared(figure).scale == EFFICIENCY and abs(number) >= MOST_EFFICIENCY:
             remedy = f"write {match[1]} %, or {number / 100.0:g}"
             raise UsageError(f"{where}: {figure} {match[1]} is {100.0 * number:g} % ({remedy})")
         return number * units[unit]
-    offered = [each for each in (*units, *([CELSIUS] if celsius else [])) if each]
+    offered = [each for each in (*units, *scales) if each]
     what = f"has no unit {unit!r}" if unit else f"{match[1]} has no unit"
     raise UsageError(f"{where}: {figure} {what} (write one of {', '.join(offered) or 'a plain number'})")
 

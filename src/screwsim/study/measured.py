@@ -166,8 +166,8 @@ def _size(figure: str, number: float, value: str, text: str, where: str) -> floa
     """
     unit, own = unit_behind(text), unit_behind(value)
     if not unit and own:  # 132 kW ± 2
-        text = f"{text} {'K' if declared(figure).units == 'K' else own}"
-    if unit_behind(text) in ("degC", "°C"):
+        text = f"{text} {'K' if own in ('degC', '°C') else own}"
+    if unit_behind(text) in ("degC", "°C", "degF", "°F"):
         raise UsageError(f"{where}: an uncertainty is a difference (write kelvin, e.g. ± 2 K)")
     if unit == "%" and declared(figure).units == "K":
         raise UsageError(f"{where}: a percentage of a temperature depends on its zero (write kelvin, e.g. ± 2 K)")
