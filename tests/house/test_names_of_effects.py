@@ -47,6 +47,7 @@ ALLOWED = {
     "study/calibration/read.py": ({"tip_leakage"}, REMEDY),
     "study/datasheet/air_rating.py": ({"air_package"}, STUDY),
     "study/datasheet/air_sheet.py": ({"air_package", "motor"}, STUDY),
+    "study/datasheet/bearing_lives.py": ({"bearings"}, STUDY),
     "study/datasheet/bounds.py": ({"motor"}, STUDY),
     "study/datasheet/gas_sheet.py": ({"air_package"}, STUDY),
     "study/datasheet/hottest_room.py": ({"separator"}, STUDY),
