@@ -104,11 +104,10 @@ def datasheet(
 
         sheet = screwsim.datasheet("point.yaml", limits=["discharge_temperature<110 degC"], output="sheet.pdf")
 
-    `sheet.document` is the sheet in SI units, as `--json` prints it; `units` are those of its text, 'metric' or 'us'
-    (not of two stages). `output` is the page to write (.html, .pdf), or the table of its points (.csv). With `heating`
-    it also gives the heating capacity and COP of a heat pump; with a `profile` (a CSV file of flows and hours) the
-    energy that an air package uses over that profile. Two stages are given by the path of their file
-    (`plant.stages.yaml`).
+    `sheet.document` is the sheet in SI units, as `--json` prints it; `units` are those of its text, 'metric' or 'us'.
+    `output` is the page to write (.html, .pdf), or the table of its points (.csv). With `heating` it also gives the
+    heating capacity and COP of a heat pump; with a `profile` (a CSV file of flows and hours) the energy that an air
+    package uses over that profile. Two stages are given by the path of their file (`plant.stages.yaml`).
     """
     if output is not None:
         check_sheet(Path(output))

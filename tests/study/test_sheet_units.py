@@ -1,5 +1,6 @@
 """Data sheets in US units: each cell is the figure of the document in its unit, and the document is the same."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,16 +8,26 @@ import pytest
 
 import screwsim
 from screwsim.cli import exit_code
-from screwsim.study.datasheet import air_rating, air_sheet, gas_sheet, rated, refrigeration_sheet
+from screwsim.study.datasheet import (
+    SheetOptions,
+    air_rating,
+    air_sheet,
+    gas_sheet,
+    rated,
+    refrigeration_sheet,
+    sheet_of,
+)
 from screwsim.study.datasheet.air_year import Demand
 from screwsim.study.datasheet.bounds import limits_of
 from screwsim.study.datasheet.units import METRIC, US
+from screwsim.study.stages import read_stages
 from screwsim.template import new_scene, request_of
 
 pytestmark = pytest.mark.around
 CONFIGS = Path(__file__).parents[2] / "configs"
 HP, PSI, CFM = 745.6998715822702, 6894.757293168, 0.3048**3 / 60.0  # W, Pa, m³/s: 550 ft lbf/s, lbf/in², ft³/min
 TON, LB_H = 3516.8528420667, 0.45359237 / 3600.0  # W: 12000 Btu/h of the International Table; kg/s
+METRIC_UNIT = re.compile(r"\b(m?bar|kW|kg/h|K)\b|°C|m³|L/min")
 
 
 def fahrenheit(T):
@@ -99,14 +110,36 @@ def test_a_gas_compressor_has_psia_and_scfm_at_60_fahrenheit():
     assert "scfm: as an ideal gas at 60 °F and 14.696 psia" in us.notes
 
 
-@pytest.mark.parametrize(
-    ("scene", "units", "words"),
-    [
-        ("two_stage/air.stages.yaml", "us", "--units us: sheets of two stages are printed in metric units (remove it)"),
-        ("air/fixed_speed_7.yaml", "imperial", "'imperial'"),
-    ],
-)
-def test_other_units_are_refused_in_one_line(scene, units, words, capsys):
-    assert exit_code(["datasheet", str(CONFIGS / scene), "--units", units]) == 2
+@pytest.mark.parametrize(("file", "some"), [("air", "acfm"), ("plant", "tons")])
+def test_two_stages_are_in_us_units_throughout(file, some):
+    chain = replace(read_stages(CONFIGS / "two_stage" / f"{file}.stages.yaml"), sweep={}, joints=())
+    ranges = {} if file == "air" else {"--evaporating": "-31 degC..-29 degC", "--condensing": "39 degC..41 degC"}
+    us = sheet_of(chain, SheetOptions(ranges, units="us", jobs=2))
+    words = [text for _, text in us.lines] + [each.title for each in (*us.tables, *us.drawings)]
+    words += [cell for each in us.tables for row in (each.heads, *each.rows) for cell in row]
+    assert any(some in text for text in words)
+    # of power, CAGI's sheets have kW/100 acfm, too
+    assert not [text for text in words if METRIC_UNIT.search(text) and "acfm" not in text and text != "kW"]
+    each = next(one for one in us.tables if one.title.startswith("Each stage"))
+    rows, (first, second) = {row[0]: row[1:] for row in each.rows}, own_stages(us)
+    for figure, row, factor, step in (
+        ("shaft_power", "shaft power [hp]", 1.0 / HP, 0.01),
+        ("suction_pressure", "suction pressure [psia]", 1.0 / PSI, 0.01),
+        ("displacement_flow", "swept volume [cfm]", 1.0 / CFM, 0.1),
+        ("oil_flow_volume", "oil [gpm]", 60.0 / (231.0 * 0.0254**3), 0.01),
+        ("gas_mass_flow", "mass flow [lb/h]", 1.0 / LB_H, 1.0),
+    ):
+        assert near(rows[row][0], factor * first[figure], step) and near(rows[row][1], factor * second[figure], step)
+    assert near(rows["discharge temperature [°F]"][1], fahrenheit(second["discharge_temperature"]), 0.1)
+
+
+def own_stages(sheet):
+    """Return the document of both stages at the own point."""
+    stages = sheet.document["stages"]
+    return stages[0] if isinstance(stages[0], list) else stages
+
+
+def test_other_units_are_refused_in_one_line(capsys):
+    assert exit_code(["datasheet", str(CONFIGS / "air" / "fixed_speed_7.yaml"), "--units", "imperial"]) == 2
     out, err = capsys.readouterr()
-    assert out == "" and words in err
+    assert out == "" and "'imperial'" in err

@@ -113,11 +113,10 @@ def _sheet_of_stages(chain: StageChain, asked: SheetOptions) -> Sheet:
     from screwsim.study.datasheet import stages_rating as rating
     from screwsim.study.datasheet.stages_air import air_stages_sheet, is_air_package
 
-    if asked.units != "metric":
-        raise UsageError(f"--units {asked.units}: sheets of two stages are printed in metric units (remove it)")
+    units = BY_NAME[asked.units]
     if is_air_package(chain):
         _refuse_unused_options(asked.of_points, "the stages compress air as a package")
-        return air_stages_sheet(chain, asked.demands, asked.jobs, asked.progress)
+        return air_stages_sheet(chain, asked.demands, asked.jobs, asked.progress, units)
     _refuse_unused_options({"--profile": asked.profile}, "the two stages are not one (air, and a motor in both)")
     from screwsim.study.datasheet.stages_sheet import stages_sheet
 
@@ -125,7 +124,7 @@ def _sheet_of_stages(chain: StageChain, asked: SheetOptions) -> Sheet:
     unused: dict[str, Any] = {name: text for name, text in asked.ranges.items() if name not in options}
     unused |= {} if rating.refrigerates(chain) else {"--heating": asked.heating or None}
     _refuse_unused_options(unused, f"these two stages are rated over {' and '.join(options)}")
-    request = rating.rating_request(chain, asked.ranges, limits_of(chain, asked.limits))
+    request = rating.rating_request(chain, asked.ranges, limits_of(chain, asked.limits), units)
     return stages_sheet(rating.rating(request, asked.jobs, asked.progress), asked.heating)
 
 

@@ -43,14 +43,13 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
     """Return the sheet of a rating, with the energy of demands."""
     shares = year(rated, demands) if demands else ()
     rows = [point_row(point, rated.full, rated.units) for point in rated.points]
-    heads = HEADS if rated.units == METRIC else US_HEADS
     every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
     return Sheet(
         heading="Air package, rating by ISO 1217",
         title=with_printed_units(scene.title),
         lines=list(_lines(scene, rated)),
         tables=[
-            Table("Points", heads, rows),
+            Table("Points", heads_of(rated.units), rows),
             *([year_table(rated, shares)] if shares else []),
             *lives_table(_named_points(rated), units=rated.units),
         ],
@@ -103,6 +102,18 @@ def point_row(point: Point, full: Point, units: Units = METRIC) -> list[str]:
     return [speed, *cells, "" if efficiency is None else f"{100.0 * efficiency:.1f}"]
 
 
+def heads_of(units: Units) -> tuple[str, ...]:
+    """Return the heads of the points."""
+    return HEADS if units == METRIC else US_HEADS
+
+
+def discharge_line(p_d: float, p_s: float, units: Units) -> tuple[str, str]:
+    """Return the line on the discharge pressure [Pa]: absolute, and over that of the inlet."""
+    over = p_d - p_s
+    gauge = f"{1e-5 * over:.4g} bar ({over / PSI:.0f} psi)" if units == METRIC else f"{over / PSI:.1f} psi"
+    return "discharge", f"{units.quantity('Pa', p_d)}, {gauge} over the inlet"
+
+
 def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     at, effects, units = lines(scene), scene.effects, rated.units
     heat = units.heat
@@ -111,9 +122,7 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     yield "package", f"rotary, lubricated, {rated.coolant}-cooled, {speed}"
     humid = f", relative humidity {_percent(scene.gas.relative_humidity)}" if scene.gas.relative_humidity else ""
     yield "inlet", f"{units.quantity('Pa', at.p_s)}, {units.degrees(at.T_s, '.1f')}, {scene.gas.name}{humid}"
-    gauge = at.p_d - at.p_s
-    over = f"{1e-5 * gauge:.4g} bar ({gauge / PSI:.0f} psi)" if units == METRIC else f"{gauge / PSI:.1f} psi"
-    yield "discharge", f"{units.quantity('Pa', at.p_d)}, {over} over the inlet"
+    yield discharge_line(at.p_d, at.p_s, units)
     found = full.result.performance if full.ok else {}
     load = f", {_percent(found['shaft_power'] / motor.rated_power)} of it at full flow" if found else ""
     inverter = " with its inverter" if motor.inverts else ""
@@ -122,9 +131,9 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     if package.fan is not None:
         yield "fan", f"{units.quantity('W', package.fan.power)}, {FAN_CONTROL[package.fan.control]}"
     if found:
-        behind = f"{_loss(found['package_pressure_loss'], units)} behind the machine"
+        behind = f"{loss_in_words(found['package_pressure_loss'], units)} behind the machine"
         before = found.get("intake_pressure_loss")
-        before = "" if before is None else f"{_loss(before, units)} before and "
+        before = "" if before is None else f"{loss_in_words(before, units)} before and "
         yield "losses", f"{before}{behind}, at full flow"
         if found.get("package_heat") is not None:
             oil = f"{heat.factor * found['oil_cooler_duty']:.1f} {heat.unit} of it in the oil cooler"
@@ -138,7 +147,7 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     yield "zero flow", _unloaded(rated)
 
 
-def _loss(pressure: float, units: Units) -> str:
+def loss_in_words(pressure: float, units: Units) -> str:
     """Return a loss of pressure in words."""
     return f"{1e-2 * pressure:.0f} mbar" if units == METRIC else f"{pressure / PSI:.2f} psi"
 

@@ -1,5 +1,6 @@
 """Columns of a sheet: figures in a unit, with the decimals that suit them."""
 
+import math
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -7,6 +8,7 @@ from screwsim.study.datasheet.units import METRIC, Measure, Units
 
 KW, HOUR, PERCENT, BAR = 1e-3, 3600.0, 100.0, 1e-5
 NONE = "–"
+MEASURES = {"kW": "power", "bar": "pressure", "kg/h": "mass_flow", "m³/h": "swept", "L/min": "oil"}
 
 
 class Column(NamedTuple):
@@ -49,6 +51,18 @@ def measured(figure: str, title: str, measure: Measure, own: float, most: int = 
     """Return the column of a figure in a unit; its decimals, `most` at the most, suit the size `own` [SI]."""
     factor, unit = measure
     return Column(figure, f"{title} [{unit}]", factor, min(decimals_of(abs(factor) * own), most))
+
+
+def in_units(column: Column, units: Units) -> Column:
+    """Return a column of metric units in others; its unit is in brackets, or the last word of its title."""
+    own = column.unit or column.title.rpartition(" ")[2]
+    if units == METRIC or not (column.celsius or own in MEASURES):
+        return column
+    if column.celsius:
+        return column._replace(title=column.title.replace(own, units.degree), units=units)
+    factor, unit = units.heat if column.figure.endswith("duty") else getattr(units, MEASURES[own])
+    decimals = max(column.decimals - round(math.log10(factor / column.factor)), 0)
+    return column._replace(title=column.title.replace(own, unit), factor=factor, decimals=decimals)
 
 
 def temperatures(figure: str, title: str, units: Units) -> Column:

@@ -44,6 +44,8 @@ class Units:
     cooling: Measure
     mass_flow: Measure
     pressure: Measure
+    swept: Measure
+    oil: Measure
     force: Measure
     standard: Standard
     degree: str
@@ -76,6 +78,8 @@ METRIC = Units(
     cooling=Measure(1e-3, "kW"),
     mass_flow=Measure(HOUR, "kg/h"),
     pressure=Measure(1e-5, "bar"),
+    swept=Measure(HOUR, "m³/h"),
+    oil=Measure(1e3 * MINUTE, "L/min"),
     force=Measure(1e-3, "kN"),
     standard=Standard(ZERO_CELSIUS, STANDARD_ATMOSPHERE, Measure(HOUR, "Nm³/h"), "0 °C and 1.01325 bar"),
     degree="°C",
@@ -87,6 +91,8 @@ US = Units(
     cooling=Measure(1.0 / TON, "tons"),
     mass_flow=Measure(HOUR / POUND, "lb/h"),
     pressure=Measure(1.0 / PSI, "psia"),
+    swept=Measure(1.0 / CFM, "cfm"),
+    oil=Measure(MINUTE / GALLON, "gpm"),
     force=Measure(1.0 / POUND_FORCE, "lbf"),
     standard=Standard(ZERO_CELSIUS + 28.0 / 1.8, 14.696 * PSI, Measure(1.0 / CFM, "scfm"), "60 °F and 14.696 psia"),
     degree="°F",
