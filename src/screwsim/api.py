@@ -23,6 +23,7 @@ from screwsim.inputs.arguments import (
     TEXTS,
     as_list,
     checked_arguments,
+    one_of,
     whole,
 )
 from screwsim.inputs.faults import UsageError
@@ -78,7 +79,11 @@ def optimum(
 
 
 @checked_arguments(
-    evaporating=TEXT, condensing=TEXT, suction=TEXT, discharge=TEXT, limits=TEXTS, heating=FLAG, profile=FILE
+    **dict.fromkeys(("evaporating", "condensing", "suction", "discharge"), TEXT),
+    limits=TEXTS,
+    heating=FLAG,
+    profile=FILE,
+    units=one_of("metric", "us"),
 )
 def datasheet(
     scene: SceneLike,
@@ -90,6 +95,7 @@ def datasheet(
     limits: Sequence[str] = (),
     heating: bool = False,
     profile: str | os.PathLike[str] | None = None,
+    units: str = "metric",
     output: str | os.PathLike[str] | None = None,
     jobs: int | None = None,
     progress: Progress | bool | None = None,
@@ -98,16 +104,16 @@ def datasheet(
 
         sheet = screwsim.datasheet("point.yaml", limits=["discharge_temperature<110 degC"], output="sheet.pdf")
 
-    `sheet.document` is the sheet in SI units, as `--json` prints it; `output` is the page to write (.html, .pdf), or
-    the table of its points (.csv). With `heating` it also gives the heating capacity and COP of a heat pump; with a
-    `profile` (a CSV file of flows and hours) the energy that an air package uses over that profile. Two stages are
-    given by the path of their file (`plant.stages.yaml`).
+    `sheet.document` is the sheet in SI units, as `--json` prints it; `units` are those of its text, 'metric' or 'us'.
+    `output` is the page to write (.html, .pdf), or the table of its points (.csv). With `heating` it also gives the
+    heating capacity and COP of a heat pump; with a `profile` (a CSV file of flows and hours) the energy that an air
+    package uses over that profile. Two stages are given by the path of their file (`plant.stages.yaml`).
     """
     if output is not None:
         check_sheet(Path(output))
     ranges = dict(zip(RANGE_OPTIONS, (evaporating, condensing, suction, discharge), strict=True))
     told, bar = None if profile is None else os.fspath(profile), progress_of("datasheet", progress)
-    found = sheet_of(scene_or_stages(scene), SheetOptions(ranges, limits, heating, told, jobs, bar))
+    found = sheet_of(scene_or_stages(scene), SheetOptions(ranges, limits, heating, told, jobs, bar, units))
     if output is not None:
         write_sheet(found, Path(output))
     return found

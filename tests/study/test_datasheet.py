@@ -204,10 +204,66 @@ def test_points_that_fail_are_told_and_counted(capsys):
     assert "no motor carries more than" in told
 
 
+HOT, COLD = "mixture_discharge_temperature<95 degC", "discharge_temperature<60 degC"
+
+
+def of_a_size(name, *limits, **more):
+    scene = screwsim.load(AIR / f"{name}.yaml").with_({"effects.separator.cooler.conductance": "4 kW/K", **more})
+    return scene, screwsim.datasheet(scene, limits=limits)
+
+
+def test_in_the_hottest_room_the_limit_is_reached_and_one_that_is_broken_has_none():
+    scene, sheet = of_a_size("fixed_speed_7", HOT, COLD)
+    hot, cold = sheet.document["hottest_room"]
+    found = screwsim.simulate(scene.with_(operation__suction__temperature=f"{hot['temperature']} K"), trace=False)
+    assert found.performance.mixture_discharge_temperature == pytest.approx(95.0 + 273.15, abs=1e-3)
+    assert found.performance.oil_cooler_load > 1.0
+    assert (hot["limit"], hot["path"]) == (95.0 + 273.15, "operation.suction.temperature")
+    assert cold["temperature"] is None
+    lines = dict(sheet.lines)
+    shown = f"{hot['temperature'] - 273.15:.1f} °C for mixture discharge temperature < 95 °C"
+    assert lines["hottest room"].startswith(f"{shown}; none, since it is ")
+    (point,) = sheet.document["points"]
+    assert f"loaded to {100.0 * point['oil_cooler_load']:.0f} %" in lines["heat"]
+
+
+def test_a_variable_speed_package_is_hottest_at_full_flow_and_water_has_a_warmest_temperature():
+    stated = {"effects.separator.cooler.coolant_temperature": "25 degC"}
+    _, sheet = of_a_size("variable_speed_7", HOT, **stated)
+    (hot,) = sheet.document["hottest_room"]
+    assert hot["path"] == "effects.separator.cooler.coolant_temperature"
+    assert "coolant up to" in dict(sheet.lines)
+    cooler = {"conductance": "4 kW/K", "coolant_temperature": f"{hot['temperature']} K"}
+    stated = {f"effects.separator.cooler.{name}": value for name, value in cooler.items()}
+    scene = replace(screwsim.load(AIR / "variable_speed_7.yaml").with_(stated), sweep={})
+    at = (screwsim.simulate(scene.with_(operation__speed=speed), trace=False) for speed in ("2950 rpm", "950 rpm"))
+    reached = [each.performance.mixture_discharge_temperature for each in at]
+    assert reached[0] == pytest.approx(95.0 + 273.15, abs=1e-3)
+    assert reached == sorted(reached, reverse=True)
+
+
 @pytest.mark.parametrize(
     ("scene", "more", "code", "words"),
     [
-        ("configs/air/fixed_speed_7.yaml", ["--limit", "shaft_power<1 kW"], 2, "--limit: belongs to a refrigeration"),
+        (
+            "configs/air/fixed_speed_7.yaml",
+            ["--limit", "shaft_power<1 kW"],
+            2,
+            "--limit shaft_power: is no upper limit of a temperature, as the hottest room",
+        ),
+        (
+            "configs/air/fixed_speed_7.yaml",
+            ["--limit", "discharge_temperature>60 degC"],
+            2,
+            "--limit discharge_temperature: is no upper limit",
+        ),
+        (
+            "configs/air/fixed_speed_7.yaml",
+            ["--limit", "mixture_discharge_temperature<110 degC"],
+            2,
+            "needs an oil cooler of a size",
+        ),
+        ("configs/air/fixed_speed_7.yaml", ["--evaporating", "0 degC..5 degC"], 2, "--evaporating: belongs to a"),
         (
             "configs/air/fixed_speed_7.yaml",
             ["--set", "sweep.oil_supply.orifice_diameter=[8 mm, 9 mm]"],

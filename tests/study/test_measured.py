@@ -46,6 +46,7 @@ def result(scene):
         ("Pshaft=13200 W", 13200.0, None),
         ("discharge_temperature=15 degC ± 1 K", 288.15, 0.5),
         ("discharge_temperature=15 degC ± 1", 288.15, 0.5),
+        ("discharge_temperature=59 degF ± 1 K", 288.15, 0.5),
         ("volumetric_efficiency=90 % ± 1 %", 0.9, 0.005),  # points
         ("oil_ratio=3 ± 10 %", 3.0, 0.15),  # a share
         ("shaft_power=13.2 kW ± 0.2 kW (k=2)", 13200.0, 100.0),
@@ -78,6 +79,7 @@ def test_a_measurement_is_read_with_half_of_its_95_percent_interval(scene, text,
         (["shaft_power=12 kW ± 0 kW"], "an uncertainty must be above 0"),
         (["shaft_power=12 kW ± -1 %"], "an uncertainty must be above 0"),
         (["discharge_temperature=15 degC ± 1 degC"], "(write kelvin, e.g. ± 2 K)"),
+        (["discharge_temperature=59 degF ± 1"], "(write kelvin, e.g. ± 2 K)"),
         (["discharge_temperature=15 degC ± 1 %"], "a percentage of a temperature depends on its zero (write kelvin"),
         (["shaft_power=12 kW", "shaft_power=13 kW"], "is given twice"),
         (["shaft_power=12 kW ± 1 kW (k=0)"], "k=0 is not a coverage factor (write k=1"),

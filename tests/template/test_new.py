@@ -80,6 +80,36 @@ def test_air_packages_lie_between_the_least_that_may_be_sold_and_the_best_sheet_
     assert 0.80 <= found.volumetric_efficiency <= 0.92
 
 
+ROOM, MADE_FOR = 30.0, 40.0  # [°C] where a package's oil cooler should just suffice, and up to which packages run
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "stated",
+    [{}, {"condition": "0 bar(g)/3 bar(g)"}, {"displacement": "60 m^3/h", "condition": "0 bar(g)/10 bar(g)"}],
+)
+def test_the_oil_cooler_of_an_air_package_suffices_up_to_its_room_and_a_hot_day_warms_the_oil(stated):
+    scene = scene_of("air", **stated)
+    unbounded = screwsim.simulate(scene.with_({"effects.separator.cooler.conductance": None}), trace=False)
+    rooms = [scene.with_({"operation.suction.temperature": f"{T} degC"}) for T in (20.0, ROOM, MADE_FOR)]
+    rated, there, hot = (screwsim.simulate(room, trace=False) for room in rooms)
+    assert all(one.status == "ok" for one in (unbounded, rated, there, hot))
+    assert rated.warnings == () and rated.performance.oil_cooler_load < 0.9
+    for name in ("free_air_delivered", "package_input_power", "oil_cooler_duty", "mixture_discharge_temperature"):
+        assert rated.performance[name] == pytest.approx(unbounded.performance[name], rel=1e-9), name
+    assert there.performance.oil_cooler_load == pytest.approx(1.0, abs=0.15)  # by estimates of flow and heat
+    assert hot.performance.oil_cooler_load > 1.0
+    kept = scene.effects["separator"].parameters.cooler.discharge_temperature
+    assert kept < hot.performance.mixture_discharge_temperature < 368.15
+
+
+def test_an_oil_cooler_has_no_size_where_the_room_is_nearly_as_warm_as_the_oil():
+    assert scene_of("air", condition="1/8 bar, 35 degC").effects["separator"].parameters.cooler.conductance
+    text = new_scene("air", request_of(condition="1/8 bar, 50 degC"))
+    assert screwsim.loads(text).effects["separator"].parameters.cooler.conductance is None
+    assert "whatever duty that takes" in text
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("condition", "superheat"), templates.RATED)
 def test_reciprocating_compressors_take_the_power_of_rated_ones(condition, superheat):

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
+from typing import Literal
 
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
@@ -100,6 +101,9 @@ def datasheet(
     profile: str | None = option(
         "LOADS.csv", "Flows and hours of an air package; adds its energy use over them.", "--profile"
     ),
+    units: Literal["metric", "us"] = option(
+        "metric|us", "Units of the sheet (of --json always SI).", "--units", default="metric"
+    ),
     overrides: Texts = OVERRIDES,
     without: Texts = WITHOUT,
     jobs: int | None = JOBS,
@@ -116,7 +120,7 @@ def datasheet(
 
     ranges = dict(zip(RANGE_OPTIONS, (evaporating, condensing, suction, discharge), strict=True))
     with options.counted_progress("datasheet", "parts") as shown:
-        sheet = sheet_of(rated, SheetOptions(ranges, limits or (), heating, profile, jobs, shown))
+        sheet = sheet_of(rated, SheetOptions(ranges, limits or (), heating, profile, jobs, shown, units))
     options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
     if output is not None:
         options.print_files([write_sheet(sheet, output)], as_json)

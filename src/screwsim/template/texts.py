@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from importlib.resources import files
 from string import Template
+from typing import NamedTuple
 
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.description import describe
@@ -10,6 +11,20 @@ from screwsim.inputs.faults import UsageError
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes
 from screwsim.template.request import SceneRequest
+
+UNBOUNDED_COOLER = "whatever duty that takes\n  # (conductance and coolant_temperature give the cooler a size)."
+BOUNDED_COOLER = (
+    "as far as its cooler\n  # suffices: by estimates of flow and heat up to a room of some {room}, beyond which "
+    "both rise together. That room\n  # is assumed; at 40 degC, up to which packages are usually made to run, "
+    "80 to 95 degC follow."
+)
+
+
+class OilCooler(NamedTuple):
+    """An oil cooler: the warmest room [K] in which it keeps the outlet temperature, and its conductance [W/K]."""
+
+    room: float
+    conductance: float
 
 
 def filled(name: str, values: Mapping[str, str]) -> str:
@@ -64,12 +79,18 @@ def ports(size: sizes.Size, viscosity: str = "") -> str:
     return filled("ports", {"gap": sizes.um(sizes.GAP * size.clearance), "viscosity": viscosity, **lands})
 
 
-def flooded(size: sizes.Size, leaves: float) -> str:
+def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None) -> str:
     """Return the entries of a flooded gas machine with an outlet temperature [K]; sizes as in configs/air."""
     big = size.diameter / 0.240
+    kept, conductance = UNBOUNDED_COOLER, ""
+    if cooler is not None:
+        room = f"{cooler.room - ZERO_CELSIUS:.0f} degC"
+        kept, conductance = BOUNDED_COOLER.format(room=room), f", conductance: {1e-3 * cooler.conductance:.2g} kW/K"
     values = {
         "ports": ports(size),
         "leaves": f"{leaves - ZERO_CELSIUS:.0f} degC",
+        "kept": kept,
+        "conductance": conductance,
         "gap": sizes.um(sizes.GAP * size.clearance),
         "shaft": sizes.mm(0.105 * big),
         "shaft_clearance": sizes.um(42e-6 * size.clearance),

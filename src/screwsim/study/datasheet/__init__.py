@@ -15,6 +15,7 @@ from screwsim.scene import Scene
 from screwsim.study.datasheet.air_year import Demand, read_profile
 from screwsim.study.datasheet.bounds import limits_of
 from screwsim.study.datasheet.sheet import Sheet
+from screwsim.study.datasheet.units import BY_NAME
 from screwsim.study.progress import Progress
 from screwsim.study.stages.read import StageChain
 
@@ -36,7 +37,7 @@ FIGURES = (
 
 
 class SheetOptions(NamedTuple):
-    """What is asked of a sheet: ranges by option ('--evaporating'), limits, heating, profile; see `sheet_of`."""
+    """What is asked of a sheet: ranges by option ('--evaporating'), limits, heating, profile, units; see `sheet_of`."""
 
     ranges: Mapping[str, str | None] = MappingProxyType({})
     limits: Sequence[str] = ()
@@ -44,6 +45,7 @@ class SheetOptions(NamedTuple):
     profile: str | None = None
     jobs: int | None = None
     progress: Progress | None = None
+    units: str = "metric"
 
     @property
     def of_points(self) -> dict[str, Any]:
@@ -65,8 +67,9 @@ def sheet_of(subject: Scene | StageChain, asked: SheetOptions) -> Sheet:
     the scene's sweep; for a gas compressor or an expander, whose scenes state pressures, --suction and --discharge are
     ('4 bar..6 bar'). `limits` state what must hold ('discharge_temperature<110 degC'); `heating` adds the tables of a
     heat pump. An air package (of two stages: air with two motors) takes none of these, but a `profile`, a CSV file of
-    flows and hours. Where a scene states tolerances, or names the validation of its model, lines give the resulting
-    uncertainties of its own point.
+    flows and hours, and one of a single stage limits of temperatures, for its hottest room. Where a scene states
+    tolerances, or names the validation of its model, lines give the resulting uncertainties of its own point. `units`
+    is 'metric' or 'us'; the document is in SI units in any case.
     """
     sheet = _sheet_of_scene(subject, asked) if isinstance(subject, Scene) else _sheet_of_stages(subject, asked)
     own = _own_point(subject)
@@ -77,14 +80,16 @@ def _sheet_of_scene(scene: Scene, asked: SheetOptions) -> Sheet:
     if package_of(scene) is not None and scene.gas.name.lower() == "air":
         from screwsim.study.datasheet.air_rating import rating as air_rating
         from screwsim.study.datasheet.air_sheet import air_sheet
+        from screwsim.study.datasheet.hottest_room import room_limits
 
-        _refuse_unused_options(asked.of_points, "the scene is an air package")
-        demands = asked.demands
-        return air_sheet(scene, air_rating(scene, asked.progress), demands)
+        _refuse_unused_options({**asked.of_points, "--limit": None}, "the scene is an air package")
+        demands, bounds = asked.demands, room_limits(scene, asked.limits)
+        rated = air_rating(scene, asked.progress, bounds)
+        return air_sheet(scene, replace(rated, units=BY_NAME[asked.units]), demands)
     _refuse_unused_options({"--profile": asked.profile}, "the scene is not one")
     from screwsim.study.datasheet.rated import rating
 
-    ranges, bounds = asked.ranges, limits_of(scene, asked.limits)
+    ranges, bounds, units = asked.ranges, limits_of(scene, asked.limits), BY_NAME[asked.units]
     operation = scene.operation
     states_lines = operation.condensing_temperature is not None or operation.gas_cooler is not None
     if states_lines and not scene.machine.expands:
@@ -92,7 +97,7 @@ def _sheet_of_scene(scene: Scene, asked: SheetOptions) -> Sheet:
 
         pressures = {name: ranges.get(name) for name in BY_PRESSURE}
         _refuse_unused_options(pressures, "the scene states saturation temperatures")
-        request = rating_request(scene, ranges.get("--evaporating"), ranges.get("--condensing"), bounds)
+        request = rating_request(scene, ranges.get("--evaporating"), ranges.get("--condensing"), bounds, units)
         return refrigeration_sheet(rating(request, asked.jobs, asked.progress), asked.heating)
     from screwsim.study.datasheet import gas_sheet
 
@@ -100,7 +105,7 @@ def _sheet_of_scene(scene: Scene, asked: SheetOptions) -> Sheet:
     stated = "pressures" if "--suction" in options else "saturation temperatures"
     unused: dict[str, Any] = {name: text for name, text in ranges.items() if name not in options}
     _refuse_unused_options({**unused, "--heating": asked.heating or None}, f"the scene states {stated}")
-    request = gas_sheet.rating_request(scene, ranges, bounds)
+    request = gas_sheet.rating_request(scene, ranges, bounds, units)
     return gas_sheet.gas_sheet(rating(request, asked.jobs, asked.progress))
 
 
@@ -108,9 +113,10 @@ def _sheet_of_stages(chain: StageChain, asked: SheetOptions) -> Sheet:
     from screwsim.study.datasheet import stages_rating as rating
     from screwsim.study.datasheet.stages_air import air_stages_sheet, is_air_package
 
+    units = BY_NAME[asked.units]
     if is_air_package(chain):
         _refuse_unused_options(asked.of_points, "the stages compress air as a package")
-        return air_stages_sheet(chain, asked.demands, asked.jobs, asked.progress)
+        return air_stages_sheet(chain, asked.demands, asked.jobs, asked.progress, units)
     _refuse_unused_options({"--profile": asked.profile}, "the two stages are not one (air, and a motor in both)")
     from screwsim.study.datasheet.stages_sheet import stages_sheet
 
@@ -118,7 +124,7 @@ def _sheet_of_stages(chain: StageChain, asked: SheetOptions) -> Sheet:
     unused: dict[str, Any] = {name: text for name, text in asked.ranges.items() if name not in options}
     unused |= {} if rating.refrigerates(chain) else {"--heating": asked.heating or None}
     _refuse_unused_options(unused, f"these two stages are rated over {' and '.join(options)}")
-    request = rating.rating_request(chain, asked.ranges, limits_of(chain, asked.limits))
+    request = rating.rating_request(chain, asked.ranges, limits_of(chain, asked.limits), units)
     return stages_sheet(rating.rating(request, asked.jobs, asked.progress), asked.heating)
 
 

@@ -18,7 +18,10 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate_many
+from screwsim.study.datasheet.hottest_room import Room, hottest_rooms
 from screwsim.study.datasheet.rated import without_sweep
+from screwsim.study.datasheet.units import METRIC, Units
+from screwsim.study.goals import Bound
 from screwsim.study.progress import Progress
 
 SPEED, STATE = "operation.speed", "effects.air_package.state"
@@ -74,6 +77,8 @@ class Rating:
     regulation: Regulation | None
     variable: bool
     coolant: str
+    rooms: Sequence[Room] = ()
+    units: Units = METRIC
 
     @property
     def full(self) -> Point:
@@ -81,8 +86,11 @@ class Rating:
         return self.points[0]
 
 
-def rating(scene: Scene, progress: Progress | None = None) -> Rating:
-    """Return the rating of an air package; raise UsageError where a scene leaves open what is rated."""
+def rating(scene: Scene, progress: Progress | None = None, bounds: Sequence[Bound] = ()) -> Rating:
+    """Return the rating of an air package, with the hottest room for each limit.
+
+    Raises UsageError where a scene leaves open what is rated.
+    """
     base = without_sweep(scene, {SPEED}, f"the values of sweep.{SPEED} of an air package")
     package = scene.effects["air_package"].parameters
     if package.state == UNLOADED:
@@ -90,15 +98,19 @@ def rating(scene: Scene, progress: Progress | None = None) -> Rating:
     variable, coolant = SPEED in scene.sweep, "liquid" if package.fan is None else "air"
     speeds = sorted(scene.sweep.get(SPEED, (scene.operation.speed,)), reverse=True)
     progress, idle = progress or Progress(), None
-    progress.start(len(speeds) + (package.unloaded is not None), 0)
+    progress.start(len(speeds) + (package.unloaded is not None) + len(bounds), 0)
     try:
         points = _rated_points(base, speeds, progress)
         if package.unloaded is not None:
             idle = _rated_points(with_values(base, {STATE: UNLOADED}), speeds[-1:], progress)[0]
         regulation = _regulation(base, points, variable, coolant, progress) if points[0].flow > 0.0 else None
+        rooms = []
+        for room in hottest_rooms(with_values(base, {SPEED: float(speeds[0])}), bounds, points[0].result):
+            rooms.append(room)
+            progress.advance(1, room.temperature is None)
     finally:
         progress.stop()
-    return Rating(points, idle, regulation, variable, coolant)
+    return Rating(points, idle, regulation, variable, coolant, rooms)
 
 
 def _rated_points(base: Scene, speeds: Sequence[float], progress: Progress) -> list[Point]:

@@ -4,26 +4,33 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from screwsim.effects.air_package import FREE_AIR
-from screwsim.effects.parts.rating import CFM, PSI, WEIGHTS
-from screwsim.outputs.customary import quantity, with_printed_units
+from screwsim.effects.parts.rating import CFM, HORSEPOWER, PSI, WEIGHTS
+from screwsim.outputs import Result
+from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
+from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_document, lives_table
 from screwsim.study.datasheet.bounds import motor_of
+from screwsim.study.datasheet.hottest_room import room_documents, room_lines
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, warning_lines
 from screwsim.study.datasheet.tables import document_figures
+from screwsim.study.datasheet.units import METRIC, Units
 
 REFERENCE_INLET = 1e5, 293.15  # Pa, K
-KW, MINUTE, HOUR, RPM = 1e3, 60.0, 3600.0, 0.10471975511965977  # W, s, s, rad/s
+KW, MINUTE, RPM = 1e3, 60.0, 0.10471975511965977  # W, s, rad/s
+PER_HUNDRED, GRAINS = 100.0 * CFM, 7000.0  # m³/s in 100 cfm; grains in a pound
 POWER, SPECIFIC = "package_input_power", "package_specific_power"
 SEPARATED, COOLED, PACKAGE_VAPOUR = "condensate_flow", "aftercooler_condensate_flow", "package_vapour_flow"
 HEADS = ("rpm", "m³/min", "acfm", "% of full", "kW", "kW/ (m³/min)", "kW/ 100 acfm", "isentropic %")
+US_HEADS = ("rpm", "acfm", "% of full", "hp", "kW", "hp/ 100 acfm", "kW/ 100 acfm", "isentropic %")
 DOCUMENT_FIGURES = (
     FREE_AIR, POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
-    "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "aftercooler_duty",
+    "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "oil_cooler_load",
+    "aftercooler_duty", "mixture_discharge_temperature", "oil_supply_temperature",
     "humidity_ratio", "pressure_dew_point", "package_dew_point", "water_flow", SEPARATED, COOLED, PACKAGE_VAPOUR,
+    *LIFE_FIGURES,
 )  # fmt: skip
 HUMID_FIGURES = (
     "rated with humid air: free air delivery includes the water that condensed on the way, as volume at inlet "
@@ -35,13 +42,17 @@ DISCLAIMER = "computed, not measured: no tolerance of ISO 1217 applies, and no t
 def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sheet:
     """Return the sheet of a rating, with the energy of demands."""
     shares = year(rated, demands) if demands else ()
-    rows = [point_row(point, rated.full) for point in rated.points]
+    rows = [point_row(point, rated.full, rated.units) for point in rated.points]
     every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
     return Sheet(
         heading="Air package, rating by ISO 1217",
         title=with_printed_units(scene.title),
         lines=list(_lines(scene, rated)),
-        tables=[Table("Points", HEADS, rows), *([year_table(rated, shares)] if shares else [])],
+        tables=[
+            Table("Points", heads_of(rated.units), rows),
+            *([year_table(rated, shares)] if shares else []),
+            *lives_table(_named_points(rated), units=rated.units),
+        ],
         verdict=_verdict(rated.regulation),
         notes=list(_notes(scene, every)),
         drawings=list(drawings_of(rated)),
@@ -50,81 +61,108 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
     )
 
 
+def _named_points(rated: Rating) -> list[tuple[str, Result]]:
+    """Return the results of all points with their names, that of full flow first."""
+    named = [(f"{point.speed / RPM:.0f} rpm", point.result) for point in rated.points]
+    return named if rated.unloaded is None else [*named, ("zero flow", rated.unloaded.result)]
+
+
 def drawings_of(rated: Rating) -> Iterator[Drawing]:
     """Yield the specific power over the flow, if there are two points or more."""
     good = [point for point in rated.points if point.flow > 0.0]
-    curve = Curve([MINUTE * point.flow for point in good], [specific_power(point) for point in good])
-    label = "Package specific power [kW/(m³/min)]"
+    flow, specific = (MINUTE, "m³/min"), (1.0 / (KW * MINUTE), "kW/(m³/min)")
+    if rated.units != METRIC:
+        flow, specific = (1.0 / CFM, "acfm"), (PER_HUNDRED / HORSEPOWER, "hp/(100 acfm)")
+    found = [point.result.performance[SPECIFIC] for point in good]
+    curve = Curve([flow[0] * point.flow for point in good], [specific[0] * each for each in found])
+    label = f"Package specific power [{specific[1]}]"
     if len(good) > 1:
-        yield Drawing(label, "free air delivered [m³/min]", label, [curve], from_zero=True)
+        yield Drawing(label, f"free air delivered [{flow[1]}]", label, [curve], from_zero=True)
 
 
 def _percent(share: float, digits: int = 0) -> str:
     return f"{100.0 * share:.{digits}f} %"
 
 
-def specific_power(point: Point) -> float:
-    """Return the specific power of a point [kW/(m³/min)]."""
-    return point.result.performance[SPECIFIC] / (KW * MINUTE)
-
-
-def point_row(point: Point, full: Point) -> list[str]:
-    """Return the cells of a point of the sheet, under `HEADS`."""
+def point_row(point: Point, full: Point, units: Units = METRIC) -> list[str]:
+    """Return the cells of a point of the sheet, under `HEADS` or `US_HEADS`."""
     speed = f"{point.speed / RPM:.0f}"
     if not point.flow > 0.0:
         return [speed, point.result.status.replace("_", " "), *[""] * (len(HEADS) - 2)]
     found = point.result.performance
-    share, specific = 100.0 * point.flow / full.flow if full.flow > 0.0 else 0.0, specific_power(point)
+    share, specific = 100.0 * point.flow / full.flow if full.flow > 0.0 else 0.0, found[SPECIFIC]
     efficiency = found.get(EFFICIENCY)
-    cells = [speed, f"{MINUTE * point.flow:.2f}", f"{point.flow / CFM:.1f}", f"{share:.0f}" if share else ""]
-    cells += [f"{found[POWER] / KW:.1f}", f"{specific:.2f}", f"{specific * 100.0 * CFM * MINUTE:.1f}"]
-    return [*cells, "" if efficiency is None else f"{100.0 * efficiency:.1f}"]
+    flow, part = f"{point.flow / CFM:.1f}", f"{share:.0f}" if share else ""
+    power, per_hundred = f"{found[POWER] / KW:.1f}", f"{PER_HUNDRED * specific / KW:.1f}"
+    if units == METRIC:
+        cells = [f"{MINUTE * point.flow:.2f}", flow, part, power, f"{specific / (KW * MINUTE):.2f}", per_hundred]
+    else:
+        per_hundred_hp = f"{PER_HUNDRED * specific / HORSEPOWER:.1f}"
+        cells = [flow, part, f"{found[POWER] / HORSEPOWER:.1f}", power, per_hundred_hp, per_hundred]
+    return [speed, *cells, "" if efficiency is None else f"{100.0 * efficiency:.1f}"]
+
+
+def heads_of(units: Units) -> tuple[str, ...]:
+    """Return the heads of the points."""
+    return HEADS if units == METRIC else US_HEADS
+
+
+def discharge_line(p_d: float, p_s: float, units: Units) -> tuple[str, str]:
+    """Return the line on the discharge pressure [Pa]: absolute, and over that of the inlet."""
+    over = p_d - p_s
+    gauge = f"{1e-5 * over:.4g} bar ({over / PSI:.0f} psi)" if units == METRIC else f"{over / PSI:.1f} psi"
+    return "discharge", f"{units.quantity('Pa', p_d)}, {gauge} over the inlet"
 
 
 def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
-    at, effects = lines(scene), scene.effects
+    at, effects, units = lines(scene), scene.effects, rated.units
+    heat = units.heat
     package, motor, full = effects["air_package"].parameters, motor_of(scene), rated.full
     speed = "fixed speed" if not rated.variable else f"variable speed, {len(rated.points)} points"
     yield "package", f"rotary, lubricated, {rated.coolant}-cooled, {speed}"
     humid = f", relative humidity {_percent(scene.gas.relative_humidity)}" if scene.gas.relative_humidity else ""
-    yield "inlet", f"{quantity('Pa', at.p_s)}, {at.T_s - ZERO_CELSIUS:.1f} °C, {scene.gas.name}{humid}"
-    gauge = at.p_d - at.p_s
-    yield "discharge", f"{quantity('Pa', at.p_d)}, {1e-5 * gauge:.4g} bar ({gauge / PSI:.0f} psi) over the inlet"
+    yield "inlet", f"{units.quantity('Pa', at.p_s)}, {units.degrees(at.T_s, '.1f')}, {scene.gas.name}{humid}"
+    yield discharge_line(at.p_d, at.p_s, units)
     found = full.result.performance if full.ok else {}
     load = f", {_percent(found['shaft_power'] / motor.rated_power)} of it at full flow" if found else ""
     inverter = " with its inverter" if motor.inverts else ""
     eta = f", efficiency{inverter} {_percent(found['motor_efficiency'], 1)}" if found else ""
-    yield "motor", f"{quantity('W', motor.rated_power)} rated{load}{eta}"
+    yield "motor", f"{units.quantity('W', motor.rated_power)} rated{load}{eta}"
     if package.fan is not None:
-        yield "fan", f"{quantity('W', package.fan.power)}, {FAN_CONTROL[package.fan.control]}"
+        yield "fan", f"{units.quantity('W', package.fan.power)}, {FAN_CONTROL[package.fan.control]}"
     if found:
-        behind = f"{1e-2 * found['package_pressure_loss']:.0f} mbar behind the machine"
+        behind = f"{loss_in_words(found['package_pressure_loss'], units)} behind the machine"
         before = found.get("intake_pressure_loss")
-        before = "" if before is None else f"{1e-2 * before:.0f} mbar before and "
+        before = "" if before is None else f"{loss_in_words(before, units)} before and "
         yield "losses", f"{before}{behind}, at full flow"
         if found.get("package_heat") is not None:
-            oil = f"{found['oil_cooler_duty'] / KW:.1f} kW of it in the oil cooler"
-            yield "heat", f"{found['package_heat'] / KW:.1f} kW at full flow, {oil}"
-            outlet = found["package_discharge_temperature"] - ZERO_CELSIUS
-            yield "outlet", f"air at {outlet:.1f} °C"
+            oil = f"{heat.factor * found['oil_cooler_duty']:.1f} {heat.unit} of it in the oil cooler"
+            load = found.get("oil_cooler_load")
+            oil += "" if load is None else f", which is loaded to {_percent(load)}"
+            yield "heat", f"{heat.factor * found['package_heat']:.1f} {heat.unit} at full flow, {oil}"
+            yield "outlet", f"air at {units.degrees(found['package_discharge_temperature'], '.1f')}"
         if humid:
-            yield "water", _water(found)
+            yield "water", _water(found, units)
+    yield from room_lines(rated.rooms, units)
     yield "zero flow", _unloaded(rated)
 
 
-def _water(found: Mapping[str, Any]) -> str:
+def loss_in_words(pressure: float, units: Units) -> str:
+    """Return a loss of pressure in words."""
+    return f"{1e-2 * pressure:.0f} mbar" if units == METRIC else f"{pressure / PSI:.2f} psi"
+
+
+def _water(found: Mapping[str, Any], units: Units) -> str:
     """Return in words where the water of humid air goes, at full flow."""
-    brought, ratio = HOUR * found["water_flow"], 1e3 * found["humidity_ratio"]
+    factor, unit = units.mass_flow
+    mass, whole = ("g", 1e3) if units == METRIC else ("grains", GRAINS)
+    brought, ratio = factor * found["water_flow"], whole * found["humidity_ratio"]
     parts = {"the separator": found[SEPARATED], "the aftercooler": found.get(COOLED)}
-    falls = " and ".join(f"{HOUR * flow:.1f} in {name}" for name, flow in parts.items() if flow is not None)
-    where = f"pressure dew point {_celsius(found['pressure_dew_point'])} in the separator"
-    end = f"{_celsius(found['package_dew_point'])} at the outlet"
-    comes = f"{ratio:.1f} g per kg of dry air, {brought:.1f} kg/h at full flow"
+    falls = " and ".join(f"{factor * flow:.1f} in {name}" for name, flow in parts.items() if flow is not None)
+    where = f"pressure dew point {units.degrees(found['pressure_dew_point'], '.1f')} in the separator"
+    end = f"{units.degrees(found['package_dew_point'], '.1f')} at the outlet"
+    comes = f"{ratio:.1f} {mass} per {unit.removesuffix('/h')} of dry air, {brought:.1f} {unit} at full flow"
     return f"{comes}, of which condense {falls}; {where}, {end}"
-
-
-def _celsius(T: float) -> str:
-    return f"{T - ZERO_CELSIUS:.1f} °C"
 
 
 FAN_CONTROL = {"constant": "at every flow", "flow": "at the rated flow, in proportion to the flow"}
@@ -138,7 +176,7 @@ def _unloaded(rated: Rating) -> str:
         return idle.result.told
     power = idle.result.performance[POWER]
     share = f", {_percent(power / rated.full.result.performance[POWER])} of that at full flow" if rated.full.ok else ""
-    return f"{power / KW:.1f} kW unloaded{share}"
+    return f"{rated.units.power.factor * power:.1f} {rated.units.power.unit} unloaded{share}"
 
 
 def _verdict(found: Regulation | None) -> tuple[str, str, bool | None] | None:
@@ -199,6 +237,8 @@ def _document(scene: Scene, rated: Rating) -> dict[str, Any]:
         "discharge_pressure": at.p_d,
         "points": [_figures(point) for point in rated.points],
         "unloaded": None if rated.unloaded is None else _figures(rated.unloaded),
+        **lives_document(_named_points(rated)),
+        **({"hottest_room": room_documents(rated.rooms)} if rated.rooms else {}),
         "regulation": None
         if regulation is None
         else {

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.effects.parts.rating import CFM, FOOT
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
@@ -17,6 +18,7 @@ from screwsim.numerics.pchip import Pchip
 from screwsim.scene.units import NUMBER, parse_quantity, refused_at
 from screwsim.study.datasheet.air_rating import Point, Rating
 from screwsim.study.datasheet.sheet import Table
+from screwsim.study.datasheet.units import METRIC
 
 POWER, OPTION = "package_input_power", "--profile"
 MINUTE, HOUR, KWH, WHOLE = 60.0, 3600.0, 3.6e6, 8760.0  # s, s, J, h
@@ -108,16 +110,23 @@ def _share(points: Sequence[Point], curve: Pchip | None, idle: float, demand: De
 
 def year_table(rated: Rating, shares: Sequence[DemandShare]) -> Table:
     """Return the table of a profile, with totals in its last row."""
+    metric = rated.units == METRIC
+    size = 1.0 if metric else 1e3 * FOOT**3
     rows = [
-        [*(f"{MINUTE * share.demand.flow:.2f}", f"{share.demand.hours:g}", f"{100.0 * share.loaded:.0f}"),
-         *(f"{1e-3 * share.power:.1f}", f"{share.energy / KWH:.0f}", _specific(share.energy, share.volume))]
+        [*(_flow(share.demand.flow, metric), f"{share.demand.hours:g}", f"{100.0 * share.loaded:.0f}"),
+         *(f"{1e-3 * share.power:.1f}", f"{share.energy / KWH:.0f}", _specific(share.energy, share.volume / size))]
         for share in shares
     ]  # fmt: skip
     hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
     mean = 1e-3 * energy / (hours * HOUR)
-    rows.append(["all", f"{hours:g}", "", f"{mean:.1f}", f"{energy / KWH:.0f}", _specific(energy, volume)])
+    rows.append(["all", f"{hours:g}", "", f"{mean:.1f}", f"{energy / KWH:.0f}", _specific(energy, volume / size)])
     note = "; ".join(_notes(rated, shares))
-    return Table("Energy over the profile", ("m³/min", "hours", "% on load", "mean kW", "kWh", "kWh/m³"), rows, note)
+    flow, per = ("m³/min", "kWh/m³") if metric else ("acfm", "kWh/ 1000 ft³")
+    return Table("Energy over the profile", (flow, "hours", "% on load", "mean kW", "kWh", per), rows, note)
+
+
+def _flow(flow: float, metric: bool) -> str:
+    return f"{MINUTE * flow:.2f}" if metric else f"{flow / CFM:.1f}"
 
 
 def _sums(share: DemandShare) -> tuple[float, float, float]:
@@ -133,7 +142,9 @@ def _notes(rated: Rating, shares: Sequence[DemandShare]) -> Iterator[str]:
     missing = [share for share in shares if share.demand.flow > (1.0 + DEMAND_TOLERANCE) * full]
     if missing:
         hours = sum(each.demand.hours for each in missing)
-        yield f"during {hours:g} h it delivers less than demanded, {MINUTE * full:.2f} m³/min"
+        metric = rated.units == METRIC
+        most = f"{_flow(full, metric)} {'m³/min' if metric else 'acfm'}"
+        yield f"during {hours:g} h it delivers less than demanded, {most}"
     if any(share.loaded < 1.0 for share in shares):
         if rated.unloaded is None:
             yield "below its lowest flow it starts and stops, drawing no power while stopped (it has no unloaded point)"

@@ -7,9 +7,8 @@ from typing import Any, NamedTuple
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text, shown_name
-from screwsim.outputs.customary import quantity
 from screwsim.scene import Scene
-from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.goals import Bound, read_bounds
 from screwsim.study.stages.read import StageChain
 
@@ -29,19 +28,19 @@ def excess_of(bound: Bound, found: Mapping[str, Any]) -> float:
     return math.nan if value is None else bound.excess(float(value))
 
 
-def bound_words(bound: Bound) -> str:
+def bound_words(bound: Bound, units: Units = METRIC) -> str:
     """Return a limit as people write it."""
-    return f"{shown_name(bound.figure)} {bound.sign} {limit_text(bound.figure, bound.value)}"
+    return f"{shown_name(bound.figure)} {bound.sign} {limit_text(bound.figure, bound.value, units)}"
 
 
-def limit_text(figure: str, value: float) -> str:
-    """Return a figure [SI] as text with its customary unit, four digits; temperatures in °C."""
+def limit_text(figure: str, value: float, units: Units = METRIC) -> str:
+    """Return a figure [SI] as text with its unit, four digits."""
     about = declared(figure)
     if about.units == "K":
-        return f"{value - ZERO_CELSIUS:.4g} °C"
+        return units.degrees(value)
     if about.units == "1":
         return figure_text(about, value)
-    return quantity(about.shown or about.units, value)
+    return units.quantity(about.shown or about.units, value)
 
 
 def limits_of(subject: Scene | StageChain, texts: Sequence[str]) -> dict[Bound, str]:
@@ -68,8 +67,13 @@ class EnvelopeRange(NamedTuple):
     at: float
     low: float
     high: float
-    below: str
-    above: str
+    below: Bound | str
+    above: Bound | str
+
+    def ends_in_words(self, units: Units = METRIC) -> tuple[str, str]:
+        """Return what ends it, in words."""
+        first, last = (bound_words(end, units) if isinstance(end, Bound) else end for end in (self.below, self.above))
+        return first, last
 
 
 def envelope(
@@ -109,7 +113,7 @@ def _runs(inside: Sequence[bool]) -> Iterator[tuple[int, int]]:
 
 def _run_end(
     column: Sequence[Mapping[str, Any] | None], values: Sequence[float], j: int, outside: int, bounds: Iterable[Bound]
-) -> tuple[float, str]:
+) -> tuple[float, Bound | str]:
     """Return the end of a run whose last point is j, and its cause."""
     if not 0 <= outside < len(column):
         return values[j], "end of the table"
@@ -120,6 +124,6 @@ def _run_end(
     shares = {}
     for bound in exceeded_bounds(there, bounds):
         a, b = excess_of(bound, here), excess_of(bound, there)
-        shares[bound_words(bound)] = -a / (b - a) if math.isfinite(b) and b > a else 0.0
-    words = min(shares, key=lambda each: shares[each])
-    return values[j] + shares[words] * (values[outside] - values[j]), words
+        shares[bound] = -a / (b - a) if math.isfinite(b) and b > a else 0.0
+    first = min(shares, key=lambda each: shares[each])
+    return values[j] + shares[first] * (values[outside] - values[j]), first

@@ -14,14 +14,15 @@ from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, P_D, P_S
-from screwsim.scene.types import STANDARD_ATMOSPHERE
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet import rated as rating
 from screwsim.study.datasheet import tables
+from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
 from screwsim.study.datasheet.bounds import motor_of
-from screwsim.study.datasheet.rated import Axis, SceneRating, SceneRequest, celsius, pressure_ratio
+from screwsim.study.datasheet.columns import PERCENT, Column, decimals_of, measured, temperatures
+from screwsim.study.datasheet.rated import Axis, SceneRating, SceneRequest, pressure_ratio
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
-from screwsim.study.datasheet.tables import DUTY, HOUR, KW, PERCENT, Column
+from screwsim.study.datasheet.tables import DUTY
+from screwsim.study.datasheet.units import METRIC, Standard, Units
 from screwsim.study.goals import Bound
 from screwsim.study.part_load import CONTROL_ENDS, GAS, RATIO_PATH, SPEED_PATH, controls, ratios
 
@@ -31,10 +32,9 @@ ELECTRICAL_FIGURES = "electrical_power", "electrical_isentropic_efficiency"
 DOCUMENT_FIGURES = (
     FLOW, "shaft_power", "output_power", *ELECTRICAL_FIGURES, ISENTROPIC, "volumetric_efficiency", FILLING, DISCHARGE,
     "suction_pressure", "discharge_pressure", "pressure_ratio", "peak_pressure", DUTY, "oil_flow_volume",
-    "oil_supply_temperature", "oil_flow_ratio", "separator_temperature",
+    "oil_supply_temperature", "oil_flow_ratio", "separator_temperature", *LIFE_FIGURES,
 )  # fmt: skip
 PACKAGE_REMEDY = "a package with filter, cooler and fan is rated by ISO 1217 (name effects.air_package)"
-NORMAL_CONDITIONS = "Nm³/h: as an ideal gas at 0 °C and 1.01325 bar"
 WITHOUT_WATER = ", without the water of humid air"
 DISCLAIMER = "computed, not measured: no tolerance of ISO 1217 applies, and no third party verified it"
 PRESSURE_SHARES = (0.8, 0.9, 1.0, 1.1, 1.2)  # of a compressor's own pressures
@@ -57,8 +57,12 @@ def gas_sheet(rated: SceneRating) -> Sheet:
     meant = DISCLAIMER.replace("of ISO 1217 ", "") if expands else DISCLAIMER
     notes = [*tables.notes_of(rated, _own_point(rated), meant)]
     if not expands:
+        standard = rated.asked.units.standard
         humid = WITHOUT_WATER if scene.gas.relative_humidity is not None else ""
-        notes[-1:-1] = [f"{NORMAL_CONDITIONS}{humid}", *([PACKAGE_REMEDY] if scene.gas.name.lower() == "air" else [])]
+        notes[-1:-1] = [
+            f"{standard.flow.unit}: as an ideal gas at {standard.words}{humid}",
+            *([PACKAGE_REMEDY] if scene.gas.name.lower() == "air" else []),
+        ]
     return Sheet(
         heading=heading,
         title=with_printed_units(scene.title),
@@ -75,9 +79,9 @@ def _expands(rated: SceneRating) -> bool:
     return rated.asked.scene.machine.expands
 
 
-def normal_factor(scene: Scene) -> float:
-    """Return the factor from a mass flow [kg/s] to Nm³/h: R T_n/p_n of the ideal gas, for humid air of its dry air."""
-    return HOUR * constants.gas_constant(scene.gas.name) * ZERO_CELSIUS / STANDARD_ATMOSPHERE
+def standard_volume(scene: Scene, at: Standard) -> float:
+    """Return the volume per mass [m³/kg] at standard conditions: R T/p of the ideal gas, of humid air without water."""
+    return constants.gas_constant(scene.gas.name) * at.T / at.p
 
 
 def dry_share(found: Mapping[str, Any]) -> float:
@@ -85,44 +89,45 @@ def dry_share(found: Mapping[str, Any]) -> float:
     return 1.0 / (1.0 + (found.get("humidity_ratio") or 0.0))
 
 
-class NormalFlow(Column):
-    """A column of the normal volume flow of the gas without water; `factor` is that of a dry one."""
+class StandardFlow(Column):
+    """A column of the standard volume flow of the gas without water; `factor` is that of a dry one."""
 
     def value(self, found: Mapping[str, Any]) -> float | None:
-        """Return the flow [Nm³/h] among figures [SI], None where there is none."""
+        """Return the flow among figures [SI], None where there is none."""
         wet = super().value(found)
         return None if wet is None else wet * dry_share(found)
 
 
 def _own_point(rated: SceneRating) -> str:
-    scene = rated.asked.scene
-    what = f"{tables.inlet_in_words(scene)} to {quantity('Pa', lines(scene).p_d)}"
+    scene, units = rated.asked.scene, rated.asked.units
+    what = f"{tables.inlet_in_words(scene, units)} to {units.quantity('Pa', lines(scene).p_d)}"
     return f"{what} at {quantity('rad s-1', scene.operation.speed)}" if _expands(rated) else what
 
 
 def _lines(rated: SceneRating) -> Iterator[tuple[str, str]]:
-    scene, found = rated.asked.scene, rated.own.performance if rated.own.status == "ok" else {}
-    yield from tables.machine_line(scene, found)
+    scene, units = rated.asked.scene, rated.asked.units
+    found = rated.own.performance if rated.own.status == "ok" else {}
+    yield from tables.machine_line(scene, found, units)
     humidity = scene.gas.relative_humidity
     humid = "" if humidity is None else f", relative humidity {100.0 * humidity:.3g} %"
-    yield "gas", f"{scene.gas.name}, {_temperature(scene)}{humid}"
+    yield "gas", f"{scene.gas.name}, {_temperature(scene, units)}{humid}"
     yield "point", f"{_own_point(rated)}: {_point(rated, found)}"
-    yield from tables.power_lines(scene, found, _expands(rated))
-    yield from tables.oil_line(scene, found)
+    yield from tables.power_lines(scene, found, units, _expands(rated))
+    yield from tables.oil_line(scene, found, units)
     power = "output_power" if _expands(rated) else "shaft_power"
     yield from tables.limit_lines(rated, (power,) if _expands(rated) else (DISCHARGE, power))
     if not _expands(rated):
         yield from tables.control_line(rated)
 
 
-def _temperature(scene: Scene) -> str:
+def _temperature(scene: Scene, units: Units) -> str:
     suction, superheat = scene.operation.suction, scene.operation.superheat
     superheat = suction.superheat if suction.superheat is not None else superheat
     if superheat is not None:
-        return f"superheated by {superheat:.4g} K"
+        return f"superheated by {units.difference(superheat)}"
     if suction.quality is not None:
         return f"vapour share {suction.quality:.4g} at the inlet"
-    return f"{celsius(lines(scene).T_s):.4g} °C at the inlet"
+    return f"{units.degrees(lines(scene).T_s)} at the inlet"
 
 
 def _point(rated: SceneRating, found: Mapping[str, Any]) -> str:
@@ -130,12 +135,13 @@ def _point(rated: SceneRating, found: Mapping[str, Any]) -> str:
         return rated.own.told
     flow, power, efficiency, filled, *_ = _columns(rated)
     words = [
-        f"{flow.cell(found)} kg/h",
-        f"{power.cell(found)} kW {_power_words(rated)}",
+        f"{flow.cell(found)} {flow.unit}",
+        f"{power.cell(found)} {power.unit} {_power_words(rated)}",
         f"η_s {efficiency.cell(found)} %",
     ]
     if not _expands(rated):
-        words.insert(1, f"{normal_factor(rated.asked.scene) * found[FLOW] * dry_share(found):.5g} Nm³/h")
+        standard = _standard_flow(rated)
+        words.insert(1, f"{standard.value(found):.5g} {standard.unit}")
         return ", ".join([*words, f"λ {filled.cell(found)} %"])
     return ", ".join([*words, f"filling factor {filled.cell(found)}"])
 
@@ -151,8 +157,7 @@ def _columns(rated: SceneRating) -> tuple[Column, ...]:
     """Return the columns with a table each; the first four are flow, power, efficiency and filling of the chambers."""
     scene, own, expands = rated.asked.scene, rated.own.performance, _expands(rated)
     electrical = motor_of(scene) is not None
-    flow = HOUR * (own.get(FLOW) or 1.0)
-    kw = tables.decimals_of(KW * abs(own.get("shaft_power") or 1e5))
+    units, size = rated.asked.units, abs(own.get("shaft_power") or 1e5)
     word = "electrical power" if electrical else "shaft power"
     what, sign = (f"{word} given" if expands else word), (-1.0 if expands else 1.0)
     power, efficiency = ELECTRICAL_FIGURES if electrical else ("shaft_power", ISENTROPIC)
@@ -161,28 +166,35 @@ def _columns(rated: SceneRating) -> tuple[Column, ...]:
     else:
         filled = Column("volumetric_efficiency", "Volumetric efficiency [%]", PERCENT, 1)
     columns = [
-        Column(FLOW, "Mass flow [kg/h]", HOUR, tables.decimals_of(flow)),
-        Column(power, f"{what.capitalize()} [kW]", sign * KW, kw),
+        measured(FLOW, "Mass flow", units.mass_flow, own.get(FLOW) or 1.0),
+        measured(power, what.capitalize(), units.power._replace(factor=sign * units.power.factor), size),
         Column(efficiency, f"{'Electrical isentropic' if electrical else 'Isentropic'} efficiency [%]", PERCENT, 1),
         filled,
-        Column(DISCHARGE, f"{'Outlet' if expands else 'Discharge'} temperature [°C]", 1.0, 1, celsius=True),
+        temperatures(DISCHARGE, f"{'Outlet' if expands else 'Discharge'} temperature", units),
     ]
     if not expands:
-        normal = normal_factor(scene)
-        columns.append(NormalFlow(FLOW, "Flow [Nm³/h]", normal, tables.decimals_of(normal * flow / HOUR)))
+        columns.append(_standard_flow(rated))
     if tables.is_oil_cooled(scene):
-        columns.append(Column(DUTY, "Oil cooler duty [kW]", KW, kw))
+        columns.append(measured(DUTY, "Oil cooler duty", units.heat, size))
     return tuple(columns)
+
+
+def _standard_flow(rated: SceneRating) -> StandardFlow:
+    """Return the column of the standard volume flow."""
+    at, own = rated.asked.units.standard, rated.own.performance.get(FLOW) or 1.0
+    factor = at.flow.factor * standard_volume(rated.asked.scene, at)
+    return StandardFlow(FLOW, f"Flow [{at.flow.unit}]", factor, decimals_of(factor * own))
 
 
 def _tables(rated: SceneRating) -> Iterator[Table]:
     columns = _columns(rated)
     yield from tables.tables_of(rated, columns)
     yield from tables.envelope_table(rated)
+    yield from lives_table(tables.points_within_limits(rated, _own_point(rated)), units=rated.asked.units)
     if _expands(rated):
         return
     load = f"mass flow relative to that of the scene itself, at {_own_point(rated)}"
-    discharge = ("discharge °C", columns[4])
+    discharge = (f"discharge {columns[4].unit}", columns[4])
     note = tables.part_load_note(rated, load, "η_s")
     yield from tables.part_load_table(rated, columns, (discharge,), note, "η_s there")
 
@@ -194,7 +206,12 @@ def _drawings(rated: SceneRating) -> Iterator[Drawing]:
     rows = []
     for i, value in enumerate(asked.across.values):
         cases = ((with_values(asked.scene, {asked.across.path: value, asked.down.path: each}), j) for j, each in below)
-        rows.append((tables.shown_at(asked.across, value), sorted((pressure_ratio(one), (i, j)) for one, j in cases)))
+        rows.append(
+            (
+                tables.shown_at(asked.across, value, asked.units),
+                sorted((pressure_ratio(one), (i, j)) for one, j in cases),
+            )
+        )
     for column in (columns[1], columns[2]):
         yield from tables.drawing(rated, column, "pressure ratio", asked.sides[0], rows)
     title = columns[2].title
@@ -210,8 +227,8 @@ def _document(rated: SceneRating) -> dict[str, Any]:
         "inlet_temperature": lines(scene).T_s,
         "pressure_ratio": pressure_ratio(scene),
         # m³ per kilogram at 0 °C and 1.01325 bar, as an ideal gas without water
-        "normal_volume": normal_factor(scene) / HOUR * dry_share(rated.own.performance),
-        **tables.document_of(rated, DOCUMENT_FIGURES),
+        "normal_volume": standard_volume(scene, METRIC.standard) * dry_share(rated.own.performance),
+        **tables.document_of(rated, DOCUMENT_FIGURES, _own_point(rated.in_metric)),
     }
 
 
@@ -222,7 +239,9 @@ def options_of(scene: Scene) -> dict[str, str]:
     return {"--suction": P_S, "--discharge": P_D}
 
 
-def rating_request(scene: Scene, ranges: Mapping[str, str | None], bounds: Mapping[Bound, str]) -> SceneRequest:
+def rating_request(
+    scene: Scene, ranges: Mapping[str, str | None], bounds: Mapping[Bound, str], units: Units = METRIC
+) -> SceneRequest:
     """Return what is rated of a scene, given ranges of its lines' options; raise UsageError."""
     (first, inlet), (second, outlet) = options_of(scene).items()
     expands = scene.machine.expands
@@ -235,7 +254,7 @@ def rating_request(scene: Scene, ranges: Mapping[str, str | None], bounds: Mappi
     else:
         across = axis_values(base, inlet, ranges.get(first), first, rating.swept_values(scene, inlet))
     down = axis_values(base, outlet, ranges.get(second), second, rating.swept_values(scene, outlet))
-    asked = SceneRequest(scenes=(base,), across=across, down=down, bounds=bounds, controls=(), aim=GAS)
+    asked = SceneRequest(scenes=(base,), across=across, down=down, bounds=bounds, controls=(), aim=GAS, units=units)
     return asked if expands else replace(asked, controls=controls(scene), ratios=ratios(scene))
 
 

@@ -21,6 +21,7 @@ from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D,
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.simulate import simulate_many
 from screwsim.study.datasheet.bounds import EnvelopeRange, envelope, motor_of
+from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.goals import Bound
 from screwsim.study.inputs import ends_of, read_text, shown_range, shown_value
 from screwsim.study.parallel import parallel_map
@@ -75,6 +76,7 @@ class RatingRequest(ABC):
     controls: Sequence[Control]
     ratios: Sequence[float] = ()
     aim: LoadFigures = REFRIGERATION
+    units: Units = METRIC
 
     @property
     def sides(self) -> tuple[str, str]:
@@ -163,6 +165,11 @@ class Rating(Generic[Request]):
     points: Mapping[tuple[int, int], Result]
     loads: Sequence[PartLoad]
     reach: Sequence[EnvelopeRange]
+
+    @property
+    def in_metric(self) -> "Rating[Request]":
+        """The same to be told in metric units, as in the document."""
+        return replace(self, asked=replace(self.asked, units=METRIC))
 
     @property
     def ok(self) -> bool:

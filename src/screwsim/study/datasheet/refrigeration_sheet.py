@@ -8,16 +8,19 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from screwsim.fluid.composition import is_blend
-from screwsim.outputs.customary import quantity, with_printed_units
+from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import Scene, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet import rated as rating
 from screwsim.study.datasheet import tables
-from screwsim.study.datasheet.rated import Axis, Rating, RatingRequest, SceneRating, SceneRequest, celsius
+from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
+from screwsim.study.datasheet.columns import Column, measured, temperatures
+from screwsim.study.datasheet.rated import Axis, Rating, RatingRequest, SceneRating, SceneRequest
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
-from screwsim.study.datasheet.tables import DUTY, HOUR, KW, Column
+from screwsim.study.datasheet.tables import DUTY
+from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.goals import Bound
 from screwsim.study.part_load import CONTROL_ENDS, RATIO_PATH, controls, ratios
 
@@ -35,7 +38,7 @@ DOCUMENT_FIGURES = (
     CAPACITY, *SHAFT, *ELECTRICAL, HEATING, *HEATING_COPS, FLOW, DISCHARGE, "suction_pressure", "discharge_pressure",
     "volumetric_efficiency",
     "isentropic_efficiency", "peak_pressure", DUTY, "oil_flow_volume", "oil_supply_temperature", "oil_flow_ratio",
-    "separator_temperature", ECONOMIZER_FLOW, ECONOMIZER_T, ECONOMIZER_P, ECONOMIZER_GAIN,
+    "separator_temperature", ECONOMIZER_FLOW, ECONOMIZER_T, ECONOMIZER_P, ECONOMIZER_GAIN, *LIFE_FIGURES,
 )  # fmt: skip
 PEAK_FIGURES = DISCHARGE, "discharge_pressure", "shaft_power"
 DISCLAIMER = "computed, not measured: no tolerance of EN 12900 or AHRI 540 applies, and no third party verified it"
@@ -57,22 +60,23 @@ def refrigeration_sheet(rated: SceneRating, heating: bool = False) -> Sheet:
             "refrigerant": scene.gas.name,
             "superheat": scene.operation.superheat,
             "subcooling": scene.operation.subcooling,
-            **tables.document_of(rated, DOCUMENT_FIGURES),
+            **tables.document_of(rated, DOCUMENT_FIGURES, own_point(rated.in_metric.asked)),
         },
         ok=rated.ok,
     )
 
 
 def _lines(rated: SceneRating, heating: bool) -> Iterator[tuple[str, str]]:
-    scene, found = rated.asked.scene, rated.own.performance if rated.own.status == "ok" else {}
-    yield from tables.machine_line(scene, found)
+    scene, units = rated.asked.scene, rated.asked.units
+    found = rated.own.performance if rated.own.status == "ok" else {}
+    yield from tables.machine_line(scene, found, units)
     yield refrigerant_line(rated.asked)
     yield "point", f"{own_point(rated.asked)}: {tables.point_in_words(rated, columns_of(rated))}"
     if heating and found:
         yield heating_line(rated)
     yield from _economizer_line(rated, found)
-    yield from tables.power_lines(scene, found)
-    yield from tables.oil_line(scene, found)
+    yield from tables.power_lines(scene, found, units)
+    yield from tables.oil_line(scene, found, units)
     yield from tables.limit_lines(rated, PEAK_FIGURES)
     yield from tables.control_line(rated)
 
@@ -81,25 +85,27 @@ def _economizer_line(rated: SceneRating, found: Mapping[str, Any]) -> Iterator[t
     """Yield what an economizer's port draws at the scene's own point, and what it adds to the capacity."""
     if all(found.get(name) is not None for name in (ECONOMIZER_FLOW, ECONOMIZER_T, ECONOMIZER_P, ECONOMIZER_GAIN)):
         flow, temperature = economizer_columns(rated)
-        at = f"{temperature.cell(found)} °C, {quantity('Pa', found[ECONOMIZER_P])}"
+        at = f"{temperature.cell(found)} {temperature.unit}, {rated.asked.units.quantity('Pa', found[ECONOMIZER_P])}"
         gain = f"{100.0 * found[ECONOMIZER_GAIN]:.1f} % of the capacity without it"
-        yield "economizer", f"{flow.cell(found)} kg/h at {at}; it adds {gain}"
+        yield "economizer", f"{flow.cell(found)} {flow.unit} at {at}; it adds {gain}"
 
 
 def refrigerant_line(asked: RatingRequest) -> tuple[str, str]:
     """Return the refrigerant, its state at the inlet, and its subcooling behind the last machine."""
     cold, hot, name = asked.scenes[0].operation, asked.scenes[-1].operation, asked.scenes[0].gas.name
     quality = cold.suction.quality
-    suction = f"superheat {cold.superheat or 0.0:.4g} K" if quality is None else f"suction quality {quality:.4g}"
-    below = f", subcooling {hot.subcooling or 0.0:.4g} K" if hot.gas_cooler is None else ""
+    superheat, subcooling = (asked.units.difference(each or 0.0) for each in (cold.superheat, hot.subcooling))
+    suction = f"superheat {superheat}" if quality is None else f"suction quality {quality:.4g}"
+    below = f", subcooling {subcooling}" if hot.gas_cooler is None else ""
     return "refrigerant", f"{name}, {suction}{below}{'; temperatures are dew points' if is_blend(name) else ''}"
 
 
 def heating_line(rated: Rating[Any]) -> tuple[str, str]:
     """Return the heat of the condenser at the own point, and its COP."""
-    capacity, cop = (column.cell(rated.own.performance) for column in heating_columns(rated))
+    heat, cop = heating_columns(rated)
+    capacity, cop = f"{heat.cell(rated.own.performance)} {heat.unit}", cop.cell(rated.own.performance)
     coolers = "the oil cooler" if len(rated.asked.scenes) == 1 else "the oil coolers"
-    return "heating", f"{capacity} kW from the condenser, without {coolers}; COP {cop}"
+    return "heating", f"{capacity} from the condenser, without {coolers}; COP {cop}"
 
 
 def _drawings(rated: SceneRating) -> Iterator[Drawing]:
@@ -109,13 +115,14 @@ def _drawings(rated: SceneRating) -> Iterator[Drawing]:
     if len(rated.reach) > 1 and asked.down.path == CONDENSING:
         corners = [(each.at, each.low) for each in rated.reach]
         corners += [(each.at, each.high) for each in reversed(rated.reach)] + corners[:1]
-        x, y = ([celsius(corner[k]) for corner in corners] for k in (0, 1))
-        title = "Envelope: condensing temperature [°C]"
-        yield Drawing(title, "evaporating temperature [°C]", title, [Curve(x, y)])
+        units = asked.units
+        x, y = ([units.temperature(corner[k]) for corner in corners] for k in (0, 1))
+        title = f"Envelope: condensing temperature [{units.degree}]"
+        yield Drawing(title, f"evaporating temperature [{units.degree}]", title, [Curve(x, y)])
 
 
 def rating_request(
-    scene: Scene, evaporating: str | None, condensing: str | None, bounds: Mapping[Bound, str]
+    scene: Scene, evaporating: str | None, condensing: str | None, bounds: Mapping[Bound, str], units: Units = METRIC
 ) -> SceneRequest:
     """Return what is rated of a scene; raise UsageError where it varies something else, or a range is invalid."""
     second = GAS_COOLER_P if scene.operation.gas_cooler is not None else CONDENSING
@@ -123,7 +130,7 @@ def rating_request(
     base = rating.without_sweep(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
     across = axis_values(base, EVAPORATING, evaporating, "--evaporating", rating.swept_values(scene, EVAPORATING))
     down = axis_values(base, second, condensing, "--condensing", rating.swept_values(scene, second))
-    varied = {"controls": controls(scene), "ratios": ratios(scene)}
+    varied = {"controls": controls(scene), "ratios": ratios(scene), "units": units}
     return SceneRequest(scenes=(base,), across=across, down=down, bounds=bounds, **varied)
 
 
@@ -149,39 +156,39 @@ def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tu
 def own_point(asked: RatingRequest) -> str:
     """Return the own point in words, of one machine or of two in series: both saturation temperatures, as stated."""
     cold, hot = asked.scenes[0].operation, asked.scenes[-1].operation
-    inlet = tables.inlet_in_words(asked.scenes[0])
+    units = asked.units
+    inlet = tables.inlet_in_words(asked.scenes[0], units)
     if cold.evaporating_temperature is not None:
-        inlet = f"{celsius(cold.evaporating_temperature):.4g} °C"
+        inlet = units.degrees(cold.evaporating_temperature)
     if hot.gas_cooler is not None:
-        leaves = celsius(hot.gas_cooler.outlet_temperature)
-        return f"{inlet} and a gas cooler at {quantity('Pa', hot.gas_cooler.pressure)} that leaves {leaves:.4g} °C"
+        cooler, leaves = hot.gas_cooler, units.degrees(hot.gas_cooler.outlet_temperature)
+        return f"{inlet} and a gas cooler at {units.quantity('Pa', cooler.pressure)} that leaves {leaves}"
     if hot.condensing_temperature is not None:
-        return f"{inlet} / {celsius(hot.condensing_temperature):.4g} °C"
-    return f"{inlet} to {quantity('Pa', lines(asked.scenes[-1]).p_d)}"
+        return f"{inlet} / {units.degrees(hot.condensing_temperature)}"
+    return f"{inlet} to {units.quantity('Pa', lines(asked.scenes[-1]).p_d)}"
 
 
 def columns_of(rated: SceneRating) -> tuple[Column, ...]:
     """Return the columns with a table each: capacity, power, COP, flow, discharge temperature, oil, economizer."""
-    own = rated.own.performance
-    kw = tables.decimals_of(KW * (own.get(CAPACITY) or DEFAULT_CAPACITY))
-    flow = tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
-    duty = (Column(DUTY, "Oil cooler duty [kW]", KW, kw),) if tables.is_oil_cooled(rated.asked.scene) else ()
+    own, units = rated.own.performance, rated.asked.units
+    size = own.get(CAPACITY) or DEFAULT_CAPACITY
+    duty = (measured(DUTY, "Oil cooler duty", units.heat, size),) if tables.is_oil_cooled(rated.asked.scene) else ()
     return (
-        *main_columns(rated, kw),
-        Column(FLOW, "Mass flow [kg/h]", HOUR, flow),
-        Column(DISCHARGE, "Discharge temperature [°C]", 1.0, 1, celsius=True),
+        *main_columns(rated, size),
+        measured(FLOW, "Mass flow", units.mass_flow, own.get(FLOW) or 1.0),
+        temperatures(DISCHARGE, "Discharge temperature", units),
         *duty,
         *economizer_columns(rated),
     )
 
 
-def main_columns(rated: Rating[Any], kw: int) -> tuple[Column, Column, Column]:
-    """Return the columns of capacity, power (with `kw` decimals) and COP, of the motors' power where all have one."""
-    size = tables.decimals_of(KW * (rated.own.performance.get(CAPACITY) or DEFAULT_CAPACITY))
+def main_columns(rated: Rating[Any], size: float) -> tuple[Column, Column, Column]:
+    """Return the columns of capacity, power (of a `size` [W]) and COP, of the motors' power where all have one."""
+    units, own = rated.asked.units, rated.own.performance.get(CAPACITY) or DEFAULT_CAPACITY
     power, cop = ELECTRICAL if rated.asked.has_motors else SHAFT
     word = "Electrical power" if power in ELECTRICAL else "Shaft power"
-    capacity = Column(CAPACITY, "Cooling capacity [kW]", KW, size)
-    return capacity, Column(power, f"{word} [kW]", KW, kw), Column(cop, f"COP of the {word.lower()}", 1.0, 2)
+    capacity = measured(CAPACITY, "Cooling capacity", units.cooling, own)
+    return capacity, measured(power, word, units.power, size), Column(cop, f"COP of the {word.lower()}", 1.0, 2)
 
 
 def economizer_columns(rated: SceneRating) -> tuple[Column, ...]:
@@ -189,16 +196,17 @@ def economizer_columns(rated: SceneRating) -> tuple[Column, ...]:
     own = rated.own.performance
     if own.get(ECONOMIZER_FLOW) is None:
         return ()
-    flow = Column(ECONOMIZER_FLOW, "Economizer mass flow [kg/h]", HOUR, tables.decimals_of(HOUR * own[ECONOMIZER_FLOW]))
-    return flow, Column(ECONOMIZER_T, "Economizer temperature [°C]", 1.0, 1, celsius=True)
+    units = rated.asked.units
+    flow = measured(ECONOMIZER_FLOW, "Economizer mass flow", units.mass_flow, own[ECONOMIZER_FLOW])
+    return flow, temperatures(ECONOMIZER_T, "Economizer temperature", units)
 
 
 def heating_columns(rated: Rating[Any]) -> tuple[Column, Column]:
     """Return the additional columns of a heat pump: heating capacity, and its COP on the same power."""
-    kw = tables.decimals_of(KW * (rated.own.performance.get(HEATING) or DEFAULT_CAPACITY))
+    own = rated.own.performance.get(HEATING) or DEFAULT_CAPACITY
     motors = rated.asked.has_motors
     cop = f"COP of heating, of the {'electrical' if motors else 'shaft'} power"
-    return Column(HEATING, "Heating capacity [kW]", KW, kw), Column(HEATING_COPS[motors], cop, 1.0, 2)
+    return measured(HEATING, "Heating capacity", rated.asked.units.heat, own), Column(HEATING_COPS[motors], cop, 1.0, 2)
 
 
 def tables_of(rated: SceneRating, heating: bool) -> Iterator[Table]:
@@ -207,7 +215,8 @@ def tables_of(rated: SceneRating, heating: bool) -> Iterator[Table]:
     yield from tables.tables_of(rated, (*columns, *heating_columns(rated)) if heating else columns)
     cooled = rated.asked.down.path == GAS_COOLER_P
     yield from tables.envelope_table(rated, "pressure of the gas cooler" if cooled else "")
+    yield from lives_table(tables.points_within_limits(rated, own_point(rated.asked)), units=rated.asked.units)
     load = f"cooling capacity relative to that of the scene itself, at {own_point(rated.asked)}"
     note = tables.part_load_note(rated, load, "COP")
-    discharge = ("discharge °C", columns[4])
+    discharge = (f"discharge {columns[4].unit}", columns[4])
     yield from tables.part_load_table(rated, columns, (discharge,), note, "COP there")

@@ -11,19 +11,19 @@ from typing import Any
 
 from screwsim.build import package_of
 from screwsim.effects.air_package import AIR
-from screwsim.effects.parts.rating import PSI
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.outputs.customary import quantity, with_printed_units
+from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import grid
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet import air_sheet, stages_sheet
 from screwsim.study.datasheet.air_rating import Point, Rating
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
-from screwsim.study.datasheet.rated import Part, answers_of, celsius
+from screwsim.study.datasheet.columns import BAR, KW, NONE, Column, in_units
+from screwsim.study.datasheet.rated import Part, answers_of
 from screwsim.study.datasheet.sheet import Sheet, Table
-from screwsim.study.datasheet.tables import BAR, KW, NONE, Column
+from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.study.progress import Progress
 from screwsim.study.stages import ChainResult
@@ -51,19 +51,23 @@ def is_air_package(chain: StageChain) -> bool:
 
 
 def air_stages_sheet(
-    chain: StageChain, demands: Sequence[Demand] = (), jobs: int | None = None, progress: Progress | None = None
+    chain: StageChain,
+    demands: Sequence[Demand] = (),
+    jobs: int | None = None,
+    progress: Progress | None = None,
+    units: Units = METRIC,
 ) -> Sheet:
     """Return the sheet of two stages of air, with the energy of demands; raise UsageError for axes but speeds."""
     speeds, found = _rated(chain, jobs, progress)
     points = [Point(own[0], each.as_result()) for own, each in zip(speeds, found, strict=True)]
-    rated = Rating(points, None, None, len(points) > 1, "")
+    rated = Rating(points, None, None, len(points) > 1, "", units=units)
     shares = year(rated, demands) if demands else ()
-    heads = ("first rpm", "second rpm", *air_sheet.HEADS[1:])
+    heads = ("first rpm", "second rpm", *air_sheet.heads_of(units)[1:])
     rows = [
-        [*(f"{stages_sheet.RPM * speed:.0f}" for speed in own), *air_sheet.point_row(point, rated.full)[1:]]
+        [*(f"{stages_sheet.RPM * speed:.0f}" for speed in own), *air_sheet.point_row(point, rated.full, units)[1:]]
         for own, point in zip(speeds, points, strict=True)
     ]
-    tables = [Table("Points", heads, rows, across=True), *_stage_tables(speeds, points, found)]
+    tables = [Table("Points", heads, rows, across=True), *_stage_tables(speeds, points, found, units)]
     return Sheet(
         heading="Two-stage air package, rating by ISO 1217",
         title=with_printed_units(chain.title),
@@ -96,12 +100,15 @@ def _rated(
 
 
 def _stage_tables(
-    speeds: Sequence[tuple[float, float]], points: Sequence[Point], found: Sequence[ChainResult]
+    speeds: Sequence[tuple[float, float]], points: Sequence[Point], found: Sequence[ChainResult], units: Units
 ) -> Iterator[Table]:
     """Yield the table of both stages at full flow, and at variable speed their figures at each point."""
-    yield from stages_sheet.each_stage_table(found[0], "Each stage at full flow")
+    yield from stages_sheet.each_stage_table(found[0], "Each stage at full flow", units)
+    yield from stages_sheet.stage_lives_tables(list(zip(_names(speeds), found, strict=True)), units)
     if len(points) > 1:
-        columns = [column for column in STAGE_HEADS if any(column.figure in one.performance for one in found)]
+        columns = [
+            in_units(column, units) for column in STAGE_HEADS if any(column.figure in one.performance for one in found)
+        ]
         rows = []
         for own, point in zip(speeds, points, strict=True):
             cells = [column.cell(point.result.performance) if point.ok else NONE for column in columns]
@@ -112,39 +119,41 @@ def _stage_tables(
 
 
 def _lines(chain: StageChain, rated: Rating, own: ChainResult) -> Iterator[tuple[str, str]]:
-    low, high = lines(chain.first), lines(chain.second)
+    low, high, units = lines(chain.first), lines(chain.second), rated.units
     speed = "fixed speed" if not rated.variable else f"variable speed, {len(rated.points)} points"
     yield "package", f"rotary, lubricated, two stages, {speed}"
-    yield "inlet", f"{quantity('Pa', low.p_s)}, {celsius(low.T_s):.1f} °C, {chain.first.gas.name}"
-    gauge = high.p_d - low.p_s
-    yield "discharge", f"{quantity('Pa', high.p_d)}, {1e-5 * gauge:.4g} bar ({gauge / PSI:.0f} psi) over the inlet"
-    yield from stages_sheet.swept_line(own)
-    yield from stages_sheet.between_line(chain, rated.full.result)
-    yield from stages_sheet.motor_lines(chain, own)
+    yield "inlet", f"{units.quantity('Pa', low.p_s)}, {units.degrees(low.T_s, '.1f')}, {chain.first.gas.name}"
+    yield air_sheet.discharge_line(high.p_d, low.p_s, units)
+    yield from stages_sheet.swept_line(own, units)
+    yield from stages_sheet.between_line(chain, rated.full.result, units)
+    yield from stages_sheet.motor_lines(chain, own, units)
     fans = ((name, getattr(package_of(scene), "fan", None)) for name, scene in chain.by_stage.items())
     stated = [(name, fan) for name, fan in fans if fan is not None]
-    parts = [f"{quantity('W', fan.power)}, {air_sheet.FAN_CONTROL[fan.control]}" for _, fan in stated]
+    parts = [f"{units.quantity('W', fan.power)}, {air_sheet.FAN_CONTROL[fan.control]}" for _, fan in stated]
     if len(stated) > 1:
         parts = [f"{name} scene {part}" for (name, _), part in zip(stated, parts, strict=True)]
     yield "fan", "; ".join(parts) if parts else "none stated by the scenes"
     if own.status == "ok":
-        losses = [_loss(each) for each in own.stages]
+        losses = [_loss(each, units) for each in own.stages]
         told = [f"{name} stage {loss}" for name, loss in zip(STAGE_NAMES, losses, strict=True) if loss]
         yield "losses", f"{', '.join(told)}, at full flow" if told else "none stated by the scenes"
 
 
-def _loss(found: Result) -> str:
+def _loss(found: Result, units: Units) -> str:
     """Return the pressure losses of a stage's parts in words; empty where its scene names none."""
     before, behind = (found.performance.get(name) for name in ("intake_pressure_loss", "package_pressure_loss"))
     parts = ((before, "before"), (behind, "behind"))
-    return " and ".join(f"{1e-2 * loss:.0f} mbar {where} its machine" for loss, where in parts if loss)
+    return " and ".join(f"{air_sheet.loss_in_words(loss, units)} {where} its machine" for loss, where in parts if loss)
+
+
+def _names(speeds: Sequence[tuple[float, float]]) -> list[str]:
+    return [f"{stages_sheet.RPM * own[0]:.0f} and {stages_sheet.RPM * own[1]:.0f} rpm" for own in speeds]
 
 
 def _notes(chain: StageChain, speeds: Sequence[tuple[float, float]], points: Sequence[Point]) -> Iterator[str]:
-    names = (f"{stages_sheet.RPM * own[0]:.0f} and {stages_sheet.RPM * own[1]:.0f} rpm" for own in speeds)
     yield from air_sheet.inlet_note(chain.first)
     yield from stages_sheet.ignored_model_errors(chain)
-    yield from air_sheet.point_notes(list(zip(names, points, strict=True)))
+    yield from air_sheet.point_notes(list(zip(_names(speeds), points, strict=True)))
     yield NO_VERDICT
     yield air_sheet.DISCLAIMER
 

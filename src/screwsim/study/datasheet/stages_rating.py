@@ -25,6 +25,7 @@ from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet
 from screwsim.study.datasheet.rated import DEAD, Axis, Part, Rating, RatingRequest, rating_around, swept_values
+from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.goals import Bound
 from screwsim.study.part_load import (
     GAS,
@@ -94,7 +95,9 @@ def axis_options(chain: StageChain) -> dict[str, str]:
     return dict((across, down))
 
 
-def rating_request(chain: StageChain, ranges: Mapping[str, str | None], bounds: Mapping[Bound, str]) -> ChainRequest:
+def rating_request(
+    chain: StageChain, ranges: Mapping[str, str | None], bounds: Mapping[Bound, str], units: Units = METRIC
+) -> ChainRequest:
     """Return what is rated, given ranges of the axes' options; raise UsageError in one line."""
     (first, inlet), (second, outlet) = axis_options(chain).items()
     names = FIRST + inlet, SECOND + outlet
@@ -115,6 +118,7 @@ def rating_request(chain: StageChain, ranges: Mapping[str, str | None], bounds: 
         down=_axis(chain, high, (SECOND, outlet), ranges.get(second), second),
         bounds=bounds,
         controls=(Control(BOTH, SPEED_PATH, tuple(settings)),),
+        units=units,
         aim=REFRIGERATION if refrigerates(chain) else GAS,
     )
 

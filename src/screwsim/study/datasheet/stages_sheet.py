@@ -12,16 +12,18 @@ from typing import Any
 import numpy as np
 
 from screwsim.outputs import Result
-from screwsim.outputs.customary import quantity, with_printed_units
+from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet, tables
+from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, TITLE, lives_table
 from screwsim.study.datasheet.bounds import motor_of
-from screwsim.study.datasheet.rated import celsius
+from screwsim.study.datasheet.columns import BAR, HOUR, KW, NONE, PERCENT, Column, decimals_of, in_units
 from screwsim.study.datasheet.refrigeration_sheet import own_point
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.stages_rating import ChainRating, refrigerates
-from screwsim.study.datasheet.tables import BAR, BLANK, DUTY, HOUR, KW, NONE, PERCENT, Column, Lines
+from screwsim.study.datasheet.tables import BLANK, DUTY, Lines
+from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.stages import ChainResult
 from screwsim.study.stages.axes import COOLS, FLASHES, NOTHING, STAGE_NAMES
 from screwsim.study.stages.read import StageChain
@@ -37,7 +39,7 @@ DOCUMENT_FIGURES = (
     "isothermal_efficiency", "isentropic_efficiency", "free_air_delivered", "package_input_power",
     "package_specific_power", "package_isentropic_efficiency",
 )  # fmt: skip
-INTERMEDIATE_COLUMN = "between bar", Column(INTERMEDIATE, "", BAR, 3)  # with its head
+INTERMEDIATE_COLUMN = Column(INTERMEDIATE, "between bar", BAR, 3)  # its title is its head
 PEAK_FIGURES = (*DISCHARGES, "first_shaft_power", "second_shaft_power")
 MINUTE, RPM = 6e4, 9.549296585513721  # from m³/s to L/min, rad/s
 EACH_STAGE = (  # figures of a stage, a row each
@@ -58,7 +60,7 @@ EACH_STAGE = (  # figures of a stage, a row each
     Column(DUTY, "oil cooler duty [kW]", KW, 2),
 )
 BETWEEN = {NOTHING: "no cooler", COOLS: "a cooler", FLASHES: "a flash tank, whose vapour mixes in"}
-STAGE_FIGURES = tuple(column.figure for column in EACH_STAGE)
+STAGE_FIGURES = (*(column.figure for column in EACH_STAGE), *LIFE_FIGURES)
 
 
 def stages_sheet(rated: ChainRating, heating: bool = False) -> Sheet:
@@ -80,34 +82,35 @@ def stages_sheet(rated: ChainRating, heating: bool = False) -> Sheet:
 
 
 def _lines(rated: ChainRating, heating: bool) -> Iterator[tuple[str, str]]:
-    chain = rated.asked.chain
-    yield from swept_line(rated.both)
+    chain, units = rated.asked.chain, rated.asked.units
+    yield from swept_line(rated.both, units)
     yield refrigeration_sheet.refrigerant_line(rated.asked) if refrigerates(chain) else ("gas", chain.first.gas.name)
-    yield from between_line(chain, rated.own)
+    yield from between_line(chain, rated.own, units)
     yield "point", f"{own_point(rated.asked)}: {_point(rated)}"
     if heating and rated.own.status == "ok":
         yield refrigeration_sheet.heating_line(rated)
-    yield from motor_lines(chain, rated.both)
+    yield from motor_lines(chain, rated.both, units)
     yield from tables.limit_lines(rated, PEAK_FIGURES)
     yield from tables.control_line(rated)
 
 
 def _point(rated: ChainRating) -> str:
     columns, found = _columns(rated), rated.own.performance
+    mass, unit = (column.unit for column in columns[:2])
     if refrigerates(rated.asked.chain) or rated.own.status != "ok":
         return tables.point_in_words(rated, columns)
     flow, power, best = (column.cell(found) for column in columns[:3])
-    return f"{flow} kg/h, {power} kW of {tables.power_in_words(columns)}, η_s {best} %"
+    return f"{flow} {mass}, {power} {unit} of {tables.power_in_words(columns)}, η_s {best} %"
 
 
 def _columns(rated: ChainRating) -> tuple[Column, ...]:
     """Return the columns with a table each; the first three are capacity (or flow), power, COP (or efficiency)."""
-    own, cold = rated.own.performance, refrigerates(rated.asked.chain)
-    kw = tables.decimals_of(KW * (own.get("shaft_power") or 1e5))
-    flow = tables.decimals_of(HOUR * (own.get(FLOW) or 1.0))
-    mass = Column(FLOW, "Mass flow into the first stage [kg/h]", HOUR, flow)
-    capacity, power, cop = refrigeration_sheet.main_columns(rated, kw)
+    own, cold, units = rated.own.performance, refrigerates(rated.asked.chain), rated.asked.units
+    kw = decimals_of(KW * (own.get("shaft_power") or 1e5))
+    mass = Column(FLOW, "Mass flow into the first stage [kg/h]", HOUR, decimals_of(HOUR * (own.get(FLOW) or 1.0)))
+    capacity, power, cop = refrigeration_sheet.main_columns(rated, own.get("shaft_power") or 1e5)
     efficiency = Column("isentropic_efficiency", "Isentropic efficiency of the shaft power [%]", PERCENT, 1)
+    mass = in_units(mass, units)
     head = (capacity, power, cop) if cold else (mass, power, efficiency)
     rest = [Column(INTERMEDIATE, "Intermediate pressure [bar]", BAR, 3)]
     rest += [mass] if cold else []
@@ -119,26 +122,29 @@ def _columns(rated: ChainRating) -> tuple[Column, ...]:
     for which, figure, scene in cooled:
         if tables.is_oil_cooled(scene) or abs(own.get(figure) or 0.0) > 0.0:
             rest.append(Column(figure, f"Oil cooler duty of the {which} stage [kW]", KW, kw))
-    return (*head, *rest)
+    return (*head, *(in_units(column, units) for column in rest))
 
 
 def _tables(rated: ChainRating, heating: bool) -> Iterator[Table]:
-    columns, own = _columns(rated), own_point(rated.asked)
-    yield from each_stage_table(rated.both, f"Each stage at {own}")
+    columns, own, units = _columns(rated), own_point(rated.asked), rated.asked.units
+    yield from each_stage_table(rated.both, f"Each stage at {own}", units)
+    yield from stage_lives_tables([(own, rated.both)], units)
     more = refrigeration_sheet.heating_columns(rated) if heating else ()
     yield from tables.tables_of(rated, (*columns, *more))
     yield from tables.envelope_table(rated)
     what = "cooling capacity" if refrigerates(rated.asked.chain) else "mass flow"
     note = f"load: {what} relative to that at {own}; setting: share of the speeds of both stages"
-    discharge = ("discharge °C", Column(DISCHARGES[1], "", 1.0, 1, celsius=True))
-    yield from tables.part_load_table(rated, columns, (INTERMEDIATE_COLUMN, discharge), note)
+    between = in_units(INTERMEDIATE_COLUMN, units)
+    discharge = (f"discharge {units.degree}", Column(DISCHARGES[1], "", 1.0, 1, True, units))
+    yield from tables.part_load_table(rated, columns, ((between.title, between), discharge), note)
     yield from _intermediate_table(rated, columns)
 
 
 def _intermediate_table(rated: ChainRating, columns: tuple[Column, ...]) -> Iterator[Table]:
     """Yield how the intermediate pressure and the efficiency depend on the speed of the second stage."""
     speed = RPM * rated.asked.chain.second.operation.speed
-    heads, shown = zip(INTERMEDIATE_COLUMN, *tables.main_heads(rated, columns), strict=True)
+    between = in_units(INTERMEDIATE_COLUMN, rated.asked.units)
+    heads, shown = zip((between.title, between), *tables.main_heads(rated, columns), strict=True)
     rows = [
         [f"{speed * share:.0f}", f"{PERCENT * share:.0f}", *(column.cell(one.performance) for column in shown)]
         for share, one in rated.by_second
@@ -157,7 +163,7 @@ def _best_note(rated: ChainRating, best: Column) -> str:
     word, unit = ("COP", "") if refrigerates(rated.asked.chain) else ("η_s", " %")
     where = "at" if inside else "at the end of the table,"
     shown = f"{best.factor * value:.{best.decimals}f}{unit}"
-    return f"best {word} {shown} {where} {quantity('Pa', p)} between the stages"
+    return f"best {word} {shown} {where} {rated.asked.units.quantity('Pa', p)} between the stages"
 
 
 def best_intermediate(by_second: Any, figure: str) -> tuple[float, float, bool] | None:
@@ -188,7 +194,7 @@ def _drawings(rated: ChainRating) -> Iterator[Drawing]:
 
 def _document(rated: ChainRating) -> dict[str, Any]:
     chain = rated.asked.chain
-    found = tables.document_of(rated, DOCUMENT_FIGURES)
+    found = tables.document_of(rated, DOCUMENT_FIGURES, own_point(rated.in_metric.asked))
     by_second = [{"share": share, **tables.document_figures(one, DOCUMENT_FIGURES)} for share, one in rated.by_second]
     return {
         "kind": f"two_stage_{'refrigeration' if refrigerates(chain) else 'gas'}",
@@ -202,14 +208,14 @@ def _document(rated: ChainRating) -> dict[str, Any]:
     }
 
 
-def each_stage_table(found: ChainResult, title: str) -> Iterator[Table]:
+def each_stage_table(found: ChainResult, title: str, units: Units = METRIC) -> Iterator[Table]:
     """Yield the table of both stages beside each other; nothing where they have no results."""
     if found.status != "ok":
         return
     figures = [each.performance for each in found.stages]
     loads = [_motor_load(scene, each) for scene, each in zip(found.scenes, found.stages, strict=True)]
     rows = [["speed [rpm]", *(f"{RPM * scene.operation.speed:.0f}" for scene in found.scenes)]]
-    for column in EACH_STAGE:
+    for column in (in_units(each, units) for each in EACH_STAGE):
         if any(column.figure in each for each in figures):
             rows.append([column.title, *(column.cell(each) for each in figures)])
         if column.figure == "electrical_power" and any(loads):
@@ -217,30 +223,40 @@ def each_stage_table(found: ChainResult, title: str) -> Iterator[Table]:
     yield Table(title, (BLANK, *(f"{name} stage" for name in STAGE_NAMES)), rows, left=1)
 
 
+def stage_lives_tables(points: Sequence[tuple[str, ChainResult]], units: Units = METRIC) -> Iterator[Table]:
+    """Yield the table of the bearings of each stage over points (name, result), of which the first is the own one."""
+    if points[0][1].status != "ok":
+        return
+    closed = [(where, found.stages) for where, found in points if found.status == "ok"]
+    for k, name in enumerate(STAGE_NAMES):
+        yield from lives_table([(where, stages[k]) for where, stages in closed], f"{TITLE} of the {name} stage", units)
+
+
 def _motor_load(scene: Scene, found: Result) -> str:
     motor = motor_of(scene)
     return "" if motor is None else f"{PERCENT * found.performance.shaft_power / motor.rated_power:.0f}"
 
 
-def between_line(chain: StageChain, found: Result) -> Lines:
+def between_line(chain: StageChain, found: Result, units: Units = METRIC) -> Lines:
     """Yield what lies between both stages, and the pressure there beside the geometric mean of both ends."""
     between, p = chain.intercooler, found.performance.get("intermediate_pressure")
     words = BETWEEN[between.kind]
     if between.outlet_temperature is not None:
-        words += f" to {celsius(between.outlet_temperature):.4g} °C"
+        words += f" to {units.degrees(between.outlet_temperature)}"
     if between.pressure_drop > 0.0:
-        words += f", pressure drop {quantity('Pa', between.pressure_drop)}"
+        words += f", pressure drop {units.quantity('Pa', between.pressure_drop).replace('psia', 'psi')}"
     if p is not None:
         T = found.performance.get("intermediate_temperature")
-        at = "" if T is None else f" ({celsius(T):.1f} °C)"
+        at = "" if T is None else f" ({units.degrees(T, '.1f')})"
         mean = sqrt(lines(chain.first).p_s * lines(chain.second).p_d)
-        words += f"; {quantity('Pa', p)}{at}, geometric mean of both ends {quantity('Pa', mean)}"
+        words += f"; {units.quantity('Pa', p)}{at}, geometric mean of both ends {units.quantity('Pa', mean)}"
         heat = found.performance.get("intercooler_heat")
-        words += f"; the cooler takes {KW * heat:.1f} kW" if between.cools and heat is not None else ""
+        factor, unit = units.heat
+        words += f"; the cooler takes {factor * heat:.1f} {unit}" if between.cools and heat is not None else ""
     yield "between", words
 
 
-def motor_lines(chain: StageChain, found: ChainResult) -> Lines:
+def motor_lines(chain: StageChain, found: ChainResult, units: Units = METRIC) -> Lines:
     """Yield the rating of each motor, and its load at the own point."""
     loads = [f", {_motor_load(*each)} % of it at the point" for each in zip(found.scenes, found.stages, strict=False)]
     parts = []
@@ -248,15 +264,15 @@ def motor_lines(chain: StageChain, found: ChainResult) -> Lines:
         motor = motor_of(scene)
         if motor is not None:
             load = loads[number] if number < len(loads) else ""
-            parts.append(f"{name} stage {quantity('W', motor.rated_power)} rated at the shaft{load}")
+            parts.append(f"{name} stage {units.quantity('W', motor.rated_power)} rated at the shaft{load}")
     if parts:
         yield "motors", "; ".join(parts)
 
 
-def swept_line(found: ChainResult) -> Lines:
+def swept_line(found: ChainResult, units: Units = METRIC) -> Lines:
     """Yield the swept volume and the speed of each stage."""
     if len(found.scenes) == len(found.stages) and found.stages:
-        swept = (quantity("m3 s-1", each.performance["displacement_flow"]) for each in found.stages)
+        swept = (units.quantity("m3 s-1", each.performance["displacement_flow"]) for each in found.stages)
         speeds = (f"{RPM * scene.operation.speed:.4g} rpm" for scene in found.scenes)
         parts = zip(STAGE_NAMES, swept, speeds, strict=True)
         yield "stages", ", ".join(f"{name} {volume} swept at {speed}" for name, volume, speed in parts)

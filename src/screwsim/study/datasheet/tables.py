@@ -4,72 +4,49 @@ Also the lines and notes that sheets of several kinds share: motor, oil, limits,
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs import Result
-from screwsim.outputs.customary import quantity
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING
+from screwsim.study.datasheet.bearing_lives import lives_document
 from screwsim.study.datasheet.bounds import bound_words, exceeded_bounds, limit_text, motor_of
-from screwsim.study.datasheet.rated import Axis, Rating, celsius
+from screwsim.study.datasheet.columns import NONE, Column
+from screwsim.study.datasheet.rated import Axis, Rating
 from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
+from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.inputs import shown_value
 from screwsim.study.part_load import REFRIGERATION, SPEED_PATH, LoadStep, PartLoad
 
-KW, HOUR, PERCENT, BAR = 1e-3, 3600.0, 100.0, 1e-5
-NONE, BLANK, MARK = "–", "\u00a0", "*"
+BLANK, MARK = "\u00a0", "*"
 DUTY = "oil_cooler_duty"
 Lines = Iterator[tuple[str, str]]
 TablePlace = tuple[int, int]  # indices on the axes across and down
 
 
-class Column(NamedTuple):
-    """A figure in a sheet: its name, its title with the unit, factor from SI, decimals; with `celsius` in °C."""
-
-    figure: str
-    title: str
-    factor: float
-    decimals: int
-    celsius: bool = False
-
-    def value(self, found: Mapping[str, Any]) -> float | None:
-        """Return the column's value among figures [SI], None where it has none."""
-        value = found.get(self.figure)
-        return None if value is None else celsius(value) if self.celsius else self.factor * value + 0.0
-
-    def cell(self, found: Mapping[str, Any]) -> str:
-        """Return the column's value as text."""
-        value = self.value(found)
-        return NONE if value is None else f"{value + 0.0:.{self.decimals}f}"
-
-
-def decimals_of(size: float) -> int:
-    """Return the decimals of a column, from the size of its value at the scene's own point."""
-    return next((decimals for decimals, least in enumerate((1000.0, 20.0, 2.0)) if size >= least), 3)
-
-
-def shown_at(axis: Axis, value: float) -> str:
-    """Return a value of an axis in words: in °C, in rpm for a speed, or in bar."""
+def shown_at(axis: Axis, value: float, units: Units = METRIC) -> str:
+    """Return a value of an axis in words: a temperature, a speed, or a pressure."""
     if axis.path.endswith("temperature"):
-        return f"{celsius(value):.4g} °C"
-    return quantity("rad s-1" if axis.path.endswith("speed") else "Pa", value)
+        return units.degrees(value)
+    return units.quantity("rad s-1" if axis.path.endswith("speed") else "Pa", value)
 
 
 def place_of(rated: Rating, i: int, j: int) -> str:
     """Return a point of the table in words."""
     asked = rated.asked
-    first, second = (shown_at(axis, axis.values[k]) for axis, k in zip((asked.across, asked.down), (i, j), strict=True))
+    axes = zip((asked.across, asked.down), (i, j), strict=True)
+    first, second = (shown_at(axis, axis.values[k], asked.units) for axis, k in axes)
     unit = second.rpartition(" ")[2]
     return f"{first.removesuffix(f' {unit}')}/{second}" if first.endswith(f" {unit}") else f"{first}, {second}"
 
 
-def inlet_in_words(scene: Scene) -> str:
+def inlet_in_words(scene: Scene, units: Units = METRIC) -> str:
     """Return pressure and temperature of the suction line."""
     at = lines(scene)
-    return f"{quantity('Pa', at.p_s)}, {celsius(at.T_s):.4g} °C"
+    return f"{units.quantity('Pa', at.p_s)}, {units.degrees(at.T_s)}"
 
 
 def point_in_words(rated: Rating, columns: Sequence[Column]) -> str:
@@ -77,7 +54,8 @@ def point_in_words(rated: Rating, columns: Sequence[Column]) -> str:
     if rated.own.status != "ok":
         return rated.own.told
     capacity, power, cop = (column.cell(rated.own.performance) for column in columns[:3])
-    return f"{capacity} kW of cooling, {power} kW of {power_in_words(columns)}, COP {cop}"
+    cold, unit = (column.unit for column in columns[:2])
+    return f"{capacity} {cold} of cooling, {power} {unit} of {power_in_words(columns)}, COP {cop}"
 
 
 def power_in_words(columns: Sequence[Column]) -> str:
@@ -87,22 +65,23 @@ def power_in_words(columns: Sequence[Column]) -> str:
 
 def main_heads(rated: Rating, columns: Sequence[Column]) -> list[tuple[str, Column]]:
     """Return the heads of the three main columns of a sheet: capacity or flow, power, COP or efficiency."""
-    first, best = ("capacity kW", "COP") if rated.asked.aim == REFRIGERATION else ("flow kg/h", "η_s %")
-    power = f"{columns[1].title.split()[0].lower()} kW"
+    what, best = ("capacity", "COP") if rated.asked.aim == REFRIGERATION else ("flow", "η_s %")
+    first, power = f"{what} {columns[0].unit}", f"{columns[1].title.split()[0].lower()} {columns[1].unit}"
     return list(zip((first, power, best), columns, strict=False))
 
 
 def tables_of(rated: Rating, columns: Sequence[Column]) -> Iterator[Table]:
     """Yield the table of each column."""
     asked = rated.asked
-    across = [shown_at(asked.across, value).replace(" ", BLANK) for value in asked.across.values]
+    across = [shown_at(asked.across, value, asked.units).replace(" ", BLANK) for value in asked.across.values]
     heads = [asked.sides[1], *across]
     for column in columns:
         places = ([(i, j) for i in range(len(across))] for j in range(len(asked.down.values)))
         cells = [[_cell(rated, column, *place) for place in row] for row in places]
         marked = any(beyond for row in cells for _, beyond in row)
         texts = [[text if marked else text.rstrip(BLANK) for text, _ in row] for row in cells]
-        rows = [[shown_at(asked.down, value), *row] for value, row in zip(asked.down.values, texts, strict=True)]
+        down = (shown_at(asked.down, value, asked.units) for value in asked.down.values)
+        rows = [[value, *row] for value, row in zip(down, texts, strict=True)]
         yield Table(column.title, heads, rows, f"{MARK} beyond a limit" if marked else "")
 
 
@@ -142,9 +121,10 @@ def envelope_table(rated: Rating, side: str = "") -> Iterator[Table]:
     """Yield the table of the envelope; `side` names the quantity within limits, by default its axis."""
     asked, rows = rated.asked, []
     for each in rated.reach:
-        ends = (each.low, each.high)
-        shown = (f"{celsius(at):.1f} °C" if asked.down.path == CONDENSING else quantity("Pa", at) for at in ends)
-        rows.append([shown_at(asked.across, each.at), *shown, each.below, each.above])
+        ends, units = (each.low, each.high), asked.units
+        hot = asked.down.path == CONDENSING
+        shown = (units.degrees(at, ".1f") if hot else units.quantity("Pa", at) for at in ends)
+        rows.append([shown_at(asked.across, each.at, units), *shown, *each.ends_in_words(units)])
     if rows:
         heads = (asked.sides[0], "from", "to", "lower end", "upper end")
         yield Table(f"Envelope: {side or asked.axes_in_words[1]} within all limits", heads, rows)
@@ -170,12 +150,14 @@ def part_load_note(rated: Rating, load: str, best: str) -> str:
 
 def drawings_over_across(rated: Rating, columns: Sequence[Column]) -> Iterator[Drawing]:
     """Yield a drawing of each column over the axis across, with one curve per value down."""
-    asked = rated.asked
+    asked, units = rated.asked, rated.asked.units
     hot = asked.across.kind == "temperature"
-    places = [(celsius(x) if hot else BAR * x, i) for i, x in enumerate(asked.across.values)]
+    places = [
+        (units.temperature(x) if hot else units.pressure.factor * x, i) for i, x in enumerate(asked.across.values)
+    ]
     down = enumerate(asked.down.values)
-    rows = [(shown_at(asked.down, value), [(x, (i, j)) for x, i in places]) for j, value in down]
-    label = f"{asked.axes_in_words[0]} [{'°C' if hot else 'bar'}]"
+    rows = [(shown_at(asked.down, value, units), [(x, (i, j)) for x, i in places]) for j, value in down]
+    label = f"{asked.axes_in_words[0]} [{units.degree if hot else units.pressure.unit}]"
     for column in columns:
         yield from drawing(rated, column, label, asked.sides[1], rows)
 
@@ -221,8 +203,12 @@ def document_figures(result: Result, names: Sequence[str]) -> dict[str, Any]:
     return picked(result, "status", "message", "warnings") | found
 
 
-def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
-    """Return points, limits, envelope and part load for programs (SI units)."""
+def document_of(rated: Rating, names: Sequence[str], own: str) -> dict[str, Any]:
+    """Return points, limits, envelope, part load and bearings for programs (SI units).
+
+    `own` is the scene's point in words.
+    """
+    rated = rated.in_metric
     asked = rated.asked
     first, second = (axis.path.removeprefix("operation.").replace(".", "_") for axis in (asked.across, asked.down))
     points = []
@@ -239,9 +225,10 @@ def document_of(rated: Rating, names: Sequence[str]) -> dict[str, Any]:
             for bound, source in asked.bounds.items()
         ],
         "envelope": [
-            {first: each.at, second: [each.low, each.high], "ends": [each.below, each.above]} for each in rated.reach
+            {first: each.at, second: [each.low, each.high], "ends": [*each.ends_in_words()]} for each in rated.reach
         ],
         "part_load": [_control(load, names) for load in rated.loads],
+        **lives_document(points_within_limits(rated, own)),
         "warnings": list(dict.fromkeys(text for result in every for text in result.warnings)),
     }
 
@@ -263,43 +250,44 @@ def _best_ratio(step: LoadStep, names: Sequence[str]) -> dict[str, Any]:
     return {"best_volume_ratio": {"ratio": step.ratio, **document_figures(step.best, names)}, **missed}
 
 
-def machine_line(scene: Scene, found: Mapping[str, Any]) -> Lines:
+def machine_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) -> Lines:
     """Yield the displacement of the machine, and its speed."""
     speed = shown_value(scene, "operation.speed", scene.operation.speed)
     if found:
-        yield "machine", f"{quantity('m3 s-1', found['displacement_flow'])} swept at {speed}"
+        yield "machine", f"{units.quantity('m3 s-1', found['displacement_flow'])} swept at {speed}"
 
 
-def power_lines(scene: Scene, found: Mapping[str, Any], gives: bool = False) -> Lines:
+def power_lines(scene: Scene, found: Mapping[str, Any], units: Units = METRIC, gives: bool = False) -> Lines:
     """Yield the rating of the motor or generator, and its load at the scene's point."""
     motor = motor_of(scene)
     if motor is not None:
         load = 100.0 * abs(found["shaft_power"]) / motor.rated_power if found else 0.0
         share = f", {load:.0f} % of it at the point" if found else ""
-        yield "generator" if gives else "motor", f"{quantity('W', motor.rated_power)} rated at the shaft{share}"
+        yield "generator" if gives else "motor", f"{units.quantity('W', motor.rated_power)} rated at the shaft{share}"
 
 
-def oil_line(scene: Scene, found: Mapping[str, Any]) -> Lines:
+def oil_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) -> Lines:
     """Yield source, flow and temperature of the oil, and the duty of its cooler."""
     supply = scene.oil_supply
     if supply is None:
         return
     text = "from a pump" if supply.pumped else "displaced by the discharge pressure"
     if found.get("oil_flow_volume") is not None:
-        text += f", {quantity('L min-1', found['oil_flow_volume'])}"
+        text += f", {units.quantity('L min-1', found['oil_flow_volume'])}"
     temperature = found.get("oil_supply_temperature", supply.temperature)
     if temperature is not None:
-        text += f" at {celsius(temperature):.1f} °C"
-    duty, cooled = found.get(DUTY), is_oil_cooled(scene)
+        text += f" at {units.degrees(temperature, '.1f')}"
+    duty, cooled, (factor, unit) = found.get(DUTY), is_oil_cooled(scene), units.heat
     if duty is None:
         yield "oil", f"{text}; the duty of its cooler is not simulated (effects.separator)"
     else:
-        yield "oil", f"{text}; its cooler takes {KW * duty:.1f} kW" if cooled else f"{text}; no cooler"
+        yield "oil", f"{text}; its cooler takes {factor * duty:.1f} {unit}" if cooled else f"{text}; no cooler"
 
 
 def limit_lines(rated: Rating, figures: Sequence[str]) -> Lines:
     """Yield the limits, and the highest values of figures over the table."""
-    stated = ", ".join(f"{bound_words(bound)} ({source})" for bound, source in rated.asked.bounds.items())
+    units = rated.asked.units
+    stated = ", ".join(f"{bound_words(bound, units)} ({source})" for bound, source in rated.asked.bounds.items())
     yield "limits", stated or "none stated (--limit 'discharge_temperature<110 degC')"
     highest = [f"{shown_name(name)} {_highest(rated, name)}" for name in figures if _highest(rated, name)]
     if highest:
@@ -325,15 +313,27 @@ def _highest(rated: Rating, figure: str) -> str:
     if not known:
         return ""
     value, (i, j) = max(known)
-    return f"{limit_text(figure, value)} at {place_of(rated, i, j)}"
+    return f"{limit_text(figure, value, rated.asked.units)} at {place_of(rated, i, j)}"
+
+
+def points_within_limits(rated: Rating, own: str) -> list[tuple[str, Result]]:
+    """Return the results of the own point, and of those of table and part load within all limits, with their names."""
+    within = [
+        (name, one) for name, one in _named_points(rated) if not exceeded_bounds(one.performance, rated.asked.bounds)
+    ]
+    return [(own, rated.own), *within]
+
+
+def _named_points(rated: Rating) -> Iterator[tuple[str, Result]]:
+    """Yield the results over the table, and of part load below full load."""
+    yield from ((place_of(rated, i, j), result) for (i, j), result in rated.points.items())
+    for each in rated.loads:
+        yield from ((f"{each.control.name} at {100.0 * step.load:.0f} %", step.result) for step in each.steps[1:])
 
 
 def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
     """Yield failures and warnings of points, each once with its place; `own` is the scene's point in words."""
-    every = [(own, rated.own)]
-    every += [(place_of(rated, i, j), result) for (i, j), result in rated.points.items()]
-    for each in rated.loads:
-        every += [(f"{each.control.name} at {100.0 * step.load:.0f} %", step.result) for step in each.steps[1:]]
+    every = [(own, rated.own), *_named_points(rated)]
     failed = [(where, [result.told]) for where, result in every if result.status != "ok"]
     yield from warning_lines(failed, len(every))
     for each in rated.loads:
