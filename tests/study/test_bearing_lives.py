@@ -75,6 +75,9 @@ def test_points_beyond_a_limit_shorten_no_life_of_a_gas_sheet():
     assert within["shortest_at"] == "5.1/22.5 bar"
     assert within["life"] == axial["life"] > within["shortest_life"] == min(lives_of) > axial["shortest_life"]
     assert suction["life"] > suction["shortest_life"]
+    beyond = screwsim.datasheet(scene, **ranges, limits=["discharge_pressure<17 bar"])  # 20 bar at its own point
+    *_, axial = beyond.document["bearings"]
+    assert axial["shortest_at"] in ("4.9/15 bar", "5/15 bar", "5.1/15 bar") and axial["shortest_life"] > axial["life"]
 
 
 def test_each_stage_of_two_has_its_bearings():

@@ -242,6 +242,15 @@ def test_a_variable_speed_package_is_hottest_at_full_flow_and_water_has_a_warmes
     assert reached == sorted(reached, reverse=True)
 
 
+def test_a_limit_that_nothing_reaches_holds_up_to_the_end_of_the_search():
+    """The aftercooler's air is that of the inlet, 20 °C, whatever water the oil cooler has."""
+    stated = {"effects.separator.cooler.coolant_temperature": "40 degC"}
+    _, sheet = of_a_size("fixed_speed_7", "package_discharge_temperature<35 degC", **stated)
+    (room,) = sheet.document["hottest_room"]
+    assert (room["temperature"], room["message"]) == (None, "80.0 °C at least")
+    assert dict(sheet.lines)["coolant up to"].startswith("80.0 °C at least for package discharge temperature < 35 °C")
+
+
 @pytest.mark.parametrize(
     ("scene", "more", "code", "words"),
     [

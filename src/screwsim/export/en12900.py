@@ -26,6 +26,7 @@ _IP = {
 HEAD_LINE = "table,map,figure,unit"  # of the coefficients' table
 RATED_STEPS = 6  # rated temperatures along each axis
 FOLLOWED = (("path", "values"), ("of", "at"))
+WITH_UNIT = ("oil_supply.ratio", "quality")  # ends of paths of mass ratios
 GLIDES = 0.1  # [K] distance of dew and bubble point in the condenser above which it is told
 
 
@@ -39,7 +40,8 @@ def _condition_lines(found: Polynomials, ip: bool) -> Iterator[str]:
         yield f"{path} = {_shown(path, value, ip)}" + ("" if path in found.conditions else ", as the scene states none")
     for each in found.follows:
         values, at = (", ".join(_shown(each[of], x, ip) for x in each[x_of]) for of, x_of in FOLLOWED)
-        yield f"{each['path']} = {values} where {each['of']} = {at}"
+        si = "" if each["path"].endswith((*WITH_UNIT, "superheat", "subcooling", "temperature")) else " (SI units)"
+        yield f"{each['path']} = {values}{si} where {each['of']} = {at}"
 
 
 def _shown(path: str, value: Any, ip: bool) -> str:
@@ -49,7 +51,7 @@ def _shown(path: str, value: Any, ip: bool) -> str:
     if path.endswith("temperature"):
         celsius = value - ZERO_CELSIUS
         return f"{1.8 * celsius + 32.0:.6g} degF" if ip else f"{celsius:.6g} degC"
-    return f"{value:.6g} kg/kg" if path.endswith(("ratio", "quality")) else f"{value:.6g} in SI units"
+    return f"{value:.6g} kg/kg" if path.endswith(WITH_UNIT) else f"{value:.6g}"
 
 
 def other_convention(found: Polynomials) -> str:

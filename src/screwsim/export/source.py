@@ -131,8 +131,9 @@ def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = 
         raise UsageError(f"{source}: holds results, which --set and --without cannot change (name their scene instead)")
     results = open_results(source)
     if results.stages:
-        point = "of one point, written with run -o, " if results.shape else f"{source} "
-        alone = f"screwsim scene {point}--stage {next(iter(results.stages))} gives its scene, to be named here"
+        file = "OUT.h5" if results.shape else source
+        alone = f"screwsim scene {file} --stage {next(iter(results.stages))} gives its scene, to be named here"
+        alone = f"for one point screwsim run -o OUT.h5, then {alone}" if results.shape else alone
         raise UsageError(f"{source}: holds two stages, and loads are those of one machine ({alone})")
     if results.shape or "angle" not in results.cycle:
         raise UsageError(f"{source}: holds no cycle of one run (write one with screwsim run -o, or name the scene)")

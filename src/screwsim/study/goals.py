@@ -91,7 +91,7 @@ def read_figure(figure: str, text: str, where: str, kind: str = "figure") -> flo
     with refused_at(where):
         if quantity := quantity_of(figure, kind, unit):
             return parse_quantity(quantity, f"{match[1]} {unit}")
-    offered = [each for each in (*units, *([CELSIUS] if celsius else [])) if each]
+    offered = [each for each in (*units, *([CELSIUS, "degF"] if celsius else [])) if each]
     what = f"has no unit {match[2]!r}" if unit else f"{match[1]} has no unit"
     raise UsageError(f"{where}: {figure} {what} (write one of {', '.join(offered) or 'a plain number'})")
 

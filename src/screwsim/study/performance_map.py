@@ -132,11 +132,12 @@ def conditions(results: Results) -> dict[str, float]:
 
 def followers(results: Results) -> list[dict[str, Any]]:
     """Return the paths that vary together with a temperature: `values` [SI] `at` those of the other path, `of`."""
-    own = {results.varied[path][0]: path for path in temperature_paths(bool(results.stages))}
+    both = temperature_paths(bool(results.stages))
+    own = {results.varied[path][0]: path for path in both}
     return [
-        {"path": path, "of": of, "at": results.varied[of][1].tolist(), "values": values.tolist()}
+        {"path": path, "of": own[axis], "at": results.varied[own[axis]][1].tolist(), "values": values.tolist()}
         for path, (axis, values) in results.varied.items()
-        if path != (of := own.get(axis, path))
+        if axis in own and path not in both
     ]
 
 

@@ -26,7 +26,8 @@ RANGE_OPTIONS = *BY_TEMPERATURE, *BY_PRESSURE
 REFRIGERATES, STATES = "a refrigeration machine", "a machine whose lines are stated by pressures"
 AIR_PACKAGE = "an air package"
 OPTIONS_BY_KIND = (
-    dict.fromkeys((*BY_TEMPERATURE, "--limit", "--heating"), REFRIGERATES)
+    dict.fromkeys((*BY_TEMPERATURE, "--heating"), REFRIGERATES)
+    | {"--limit": "one machine, or two stages of another gas"}
     | dict.fromkeys(BY_PRESSURE, STATES)
     | {"--profile": AIR_PACKAGE}
 )

@@ -143,7 +143,7 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
             yield "outlet", f"air at {units.degrees(found['package_discharge_temperature'], '.1f')}"
         if humid:
             yield "water", _water(found, units)
-    yield from room_lines(rated.rooms, units)
+    yield from room_lines(rated.rooms, units, bool(scene.gas.relative_humidity))
     yield "zero flow", _unloaded(rated)
 
 

@@ -34,27 +34,32 @@ class Life(NamedTuple):
     at: str
 
 
-def lives(points: Sequence[tuple[str, Result]]) -> list[Life]:
-    """Return the lives of the bearings over points (name, result), of which the first is the own one."""
+def lives(points: Sequence[tuple[str, Result]], own_counts: bool = True) -> list[Life]:
+    """Return the lives of the bearings over points (name, result), of which the first is the own one.
+
+    Its lives are not among the shortest unless it counts.
+    """
     closed = [(name, result.performance) for name, result in points if result.status == "ok"]
     if not points or points[0][1].status != "ok":
         return []
-    own, found = closed[0][1], []
+    own, counted, found = closed[0][1], closed if own_counts else closed[1:], []
     for bearing, load, life in (
         *((each, LOAD.format(each), LIFE.format(each)) for each in BEARINGS),
         ("", "", SET_LIFE),
     ):
         if load in own or life in own:
             name = f"{bearing.replace('_', ' ')} bearing" if bearing else "all together"
-            known = [(each[life], where) for where, each in closed if each.get(life) is not None]
+            known = [(each[life], where) for where, each in counted if each.get(life) is not None]
             shortest, where = min(known, default=(None, ""))
             found.append(Life(name, own.get(load), own.get(life), shortest, where))
     return found
 
 
-def lives_table(points: Sequence[tuple[str, Result]], title: str = TITLE, units: Units = METRIC) -> Iterator[Table]:
+def lives_table(
+    points: Sequence[tuple[str, Result]], own_counts: bool = True, title: str = TITLE, units: Units = METRIC
+) -> Iterator[Table]:
     """Yield the table of the bearings, if the scene names any; without the shortest lives where there is one point."""
-    found, several, (factor, unit) = lives(points), len(points) > 1, units.force
+    found, several, (factor, unit) = lives(points, own_counts), len(points) > 1, units.force
     if not any(each.life is not None for each in found):
         return
     heads = ("bearing", f"load {unit}", "life h", *(("shortest h", "at") if several else ()))
@@ -66,7 +71,7 @@ def lives_table(points: Sequence[tuple[str, Result]], title: str = TITLE, units:
     yield Table(title, heads, rows, f"load: equivalent, life: at {points[0][0]}; {LEFT_OUT}", left=1, across=several)
 
 
-def lives_document(points: Sequence[tuple[str, Result]]) -> dict[str, Any]:
+def lives_document(points: Sequence[tuple[str, Result]], own_counts: bool = True) -> dict[str, Any]:
     """Return the lives for programs (SI units) under `bearings`; nothing where the scene names none."""
     found: list[Mapping[str, Any]] = [
         {
@@ -76,7 +81,7 @@ def lives_document(points: Sequence[tuple[str, Result]]) -> dict[str, Any]:
             "shortest_life": each.shortest,
             "shortest_at": each.at,
         }
-        for each in lives(points)
+        for each in lives(points, own_counts)
     ]
     return {"bearings": found} if found else {}
 

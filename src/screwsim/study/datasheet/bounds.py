@@ -40,7 +40,8 @@ def limit_text(figure: str, value: float, units: Units = METRIC) -> str:
         return units.degrees(value)
     if about.units == "1":
         return figure_text(about, value)
-    return units.quantity(about.shown or about.units, value)
+    text = units.quantity(about.shown or about.units, value)
+    return text if figure.endswith("pressure") else text.replace("psia", "psi")  # a difference of pressures
 
 
 def limits_of(subject: Scene | StageChain, texts: Sequence[str]) -> dict[Bound, str]:

@@ -190,7 +190,7 @@ def _tables(rated: SceneRating) -> Iterator[Table]:
     columns = _columns(rated)
     yield from tables.tables_of(rated, columns)
     yield from tables.envelope_table(rated)
-    yield from lives_table(tables.points_within_limits(rated, _own_point(rated)), units=rated.asked.units)
+    yield from lives_table(*tables.points_within_limits(rated, _own_point(rated)), units=rated.asked.units)
     if _expands(rated):
         return
     load = f"mass flow relative to that of the scene itself, at {_own_point(rated)}"

@@ -15,15 +15,21 @@ from screwsim.scene.lines import lines
 from screwsim.study.datasheet.bounds import bound_words, limit_text
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.goals import Bound, Goal, read_bounds
+from screwsim.study.optimum import results_at
 from screwsim.study.seek import Question, find_each
 from screwsim.study.spans import Span
 
 INLET, COOLANT = "operation.suction.temperature", "effects.separator.cooler.coolant_temperature"
+LEAST_SPAN = 40.0  # K by which the search goes beyond the temperature as stated, at least
 CONDUCTANCE = "effects.separator.cooler.conductance"
 
 
 class Room(NamedTuple):
-    """The temperature [K] of a path at which a limit is reached, its numerical error; `why` says why there is none."""
+    """The temperature [K] of a path at which a limit is reached, its numerical error; `why` says why there is none.
+
+    Where there is none, `reached` is the limited temperature as stated, which exceeds the limit already, or `beyond`
+    the end of the search, below which nothing reaches it.
+    """
 
     bound: Bound
     path: str
@@ -31,12 +37,15 @@ class Room(NamedTuple):
     error: float | None = None
     why: str = ""
     reached: float | None = None
+    beyond: float | None = None
 
     def none_in_words(self, units: Units = METRIC) -> str:
-        """Return why there is none; `reached` is the temperature as stated, where that exceeds the limit already."""
+        """Return why there is none."""
+        if self.beyond is not None:
+            return f"{units.degrees(self.beyond, '.1f')} at least"
         if self.reached is None:
-            return self.why
-        return f"since it is {limit_text(self.bound.figure, self.reached, units)} as stated"
+            return f"none, {self.why},"
+        return f"none, since it is {limit_text(self.bound.figure, self.reached, units)} as stated,"
 
 
 def room_limits(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
@@ -48,7 +57,7 @@ def room_limits(scene: Scene, texts: Sequence[str]) -> tuple[Bound, ...]:
             remedy = "write e.g. --limit 'mixture_discharge_temperature<110 degC'"
             raise UsageError(f"--limit {bound.figure}: {what} ({remedy})")
     if bounds and _cooler(scene) is None:
-        what = "needs an oil cooler of a size, since one without keeps its temperature in any room"
+        what = "needs an oil cooler of a size, since one without cools the oil alike in any room"
         raise UsageError(f"--limit {bounds[0].figure}: {what} (state {CONDUCTANCE})")
     return bounds
 
@@ -65,30 +74,32 @@ def hottest_rooms(scene: Scene, bounds: Sequence[Bound], full: Result) -> Iterat
         lacks = full.why_not([bound.figure])
         if lacks:
             yield Room(bound, path, None, why=lacks)
-        elif full.performance[bound.figure] >= bound.value or at >= bound.value:
+        elif full.performance[bound.figure] >= bound.value:
             yield Room(bound, path, None, reached=full.performance[bound.figure])
         else:
-            # beyond its limit the coolant alone would break it
-            yield _found(scene, bound, Span(path, at, bound.value, at))
+            yield _found(scene, bound, Span(path, at, max(bound.value, at + LEAST_SPAN), at))
 
 
 def _found(scene: Scene, bound: Bound, span: Span) -> Room:
+    (last,) = results_at(scene, [{span.path: span.high}], jobs=1)
+    if last.status == "ok" and last.performance[bound.figure] < bound.value:
+        return Room(bound, span.path, None, beyond=span.high)
     (answer,) = find_each(scene, Question((span,), (Goal(bound.figure, bound.value),)), jobs=1)
     if answer.status != "ok":
         return Room(bound, span.path, None, why=answer.message)
     return Room(bound, span.path, answer.values[span.path], answer.uncertainties.get(span.path))
 
 
-def room_lines(rooms: Sequence[Room], units: Units = METRIC) -> Iterator[tuple[str, str]]:
-    """Yield the hottest room of each limit, or the warmest coolant, in one line."""
+def room_lines(rooms: Sequence[Room], units: Units = METRIC, humid: bool = False) -> Iterator[tuple[str, str]]:
+    """Yield the hottest room of each limit, or the warmest coolant, in one line; `humid` air keeps its humidity."""
     parts = []
     for room in rooms:
-        found = f"none, {room.none_in_words(units)},"
-        if room.temperature is not None:
-            found = units.degrees(room.temperature, ".1f")
+        found = room.none_in_words(units) if room.temperature is None else units.degrees(room.temperature, ".1f")
         parts.append(f"{found} for {bound_words(room.bound, units)}")
     if rooms:
-        yield ("hottest room" if rooms[0].path == INLET else "coolant up to"), f"{'; '.join(parts)}, at full flow"
+        of_room = rooms[0].path == INLET
+        at = "full flow and this relative humidity" if humid and of_room else "full flow"
+        yield ("hottest room" if of_room else "coolant up to"), f"{'; '.join(parts)}, at {at}"
 
 
 def room_documents(rooms: Sequence[Room]) -> list[dict[str, Any]]:
@@ -100,7 +111,7 @@ def room_documents(rooms: Sequence[Room]) -> list[dict[str, Any]]:
             "path": room.path,
             "temperature": room.temperature,
             "error": room.error,
-            "message": room.none_in_words(),
+            "message": room.none_in_words().strip(",") if room.temperature is None else "",
         }
         for room in rooms
     ]

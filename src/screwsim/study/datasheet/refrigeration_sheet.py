@@ -215,7 +215,7 @@ def tables_of(rated: SceneRating, heating: bool) -> Iterator[Table]:
     yield from tables.tables_of(rated, (*columns, *heating_columns(rated)) if heating else columns)
     cooled = rated.asked.down.path == GAS_COOLER_P
     yield from tables.envelope_table(rated, "pressure of the gas cooler" if cooled else "")
-    yield from lives_table(tables.points_within_limits(rated, own_point(rated.asked)), units=rated.asked.units)
+    yield from lives_table(*tables.points_within_limits(rated, own_point(rated.asked)), units=rated.asked.units)
     load = f"cooling capacity relative to that of the scene itself, at {own_point(rated.asked)}"
     note = tables.part_load_note(rated, load, "COP")
     discharge = (f"discharge {columns[4].unit}", columns[4])

@@ -229,7 +229,8 @@ def stage_lives_tables(points: Sequence[tuple[str, ChainResult]], units: Units =
         return
     closed = [(where, found.stages) for where, found in points if found.status == "ok"]
     for k, name in enumerate(STAGE_NAMES):
-        yield from lives_table([(where, stages[k]) for where, stages in closed], f"{TITLE} of the {name} stage", units)
+        title = f"{TITLE} of the {name} stage"
+        yield from lives_table([(where, stages[k]) for where, stages in closed], title=title, units=units)
 
 
 def _motor_load(scene: Scene, found: Result) -> str:

@@ -228,7 +228,7 @@ def document_of(rated: Rating, names: Sequence[str], own: str) -> dict[str, Any]
             {first: each.at, second: [each.low, each.high], "ends": [*each.ends_in_words()]} for each in rated.reach
         ],
         "part_load": [_control(load, names) for load in rated.loads],
-        **lives_document(points_within_limits(rated, own)),
+        **lives_document(*points_within_limits(rated, own)),
         "warnings": list(dict.fromkeys(text for result in every for text in result.warnings)),
     }
 
@@ -316,12 +316,14 @@ def _highest(rated: Rating, figure: str) -> str:
     return f"{limit_text(figure, value, rated.asked.units)} at {place_of(rated, i, j)}"
 
 
-def points_within_limits(rated: Rating, own: str) -> list[tuple[str, Result]]:
-    """Return the results of the own point, and of those of table and part load within all limits, with their names."""
-    within = [
-        (name, one) for name, one in _named_points(rated) if not exceeded_bounds(one.performance, rated.asked.bounds)
-    ]
-    return [(own, rated.own), *within]
+def points_within_limits(rated: Rating, own: str) -> tuple[list[tuple[str, Result]], bool]:
+    """Return the results of the own point, and of those of table and part load within all limits, with their names.
+
+    Second: whether the own point is within them, too.
+    """
+    points = [(own, rated.own), *_named_points(rated)]
+    within = [not exceeded_bounds(one.performance, rated.asked.bounds) for _, one in points]
+    return [points[0], *(each for each, inside in zip(points[1:], within[1:], strict=True) if inside)], within[0]
 
 
 def _named_points(rated: Rating) -> Iterator[tuple[str, Result]]:

@@ -64,6 +64,8 @@ def identity(asked: Question) -> dict[str, str]:
 @contextmanager
 def held_parts(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
     """Hold the parts of an optimisation; raise UsageError where they, or the file, belong to something else."""
+    if not isinstance(asked.scene, Scene) and output.suffix.lower() not in (".csv", ".h5"):
+        raise UsageError(f"{output}: evaluations of two stages are a table (choose a name in .csv or .h5)")
     own = {"scene_sha256": digest(_subject(asked).text), "identity": identity(asked)}
     parts = Parts(output, own, "optimisation")
     if has_content(output):

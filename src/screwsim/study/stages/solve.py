@@ -296,8 +296,8 @@ def chain_faults(chain: StageChain) -> tuple[str, ...]:
 def run_stages(chain: StageChain, warm: bool = False) -> ChainResult:
     """Return both stages at the intermediate pressure at which their flows match; a status where there is none.
 
-    With `warm` the cycles of the search start from one another, for about half the work. Figures then differ by less
-    than the accuracy from those of the stages alone.
+    With `warm` the cycles of the search start from one another, for a quarter to a half less work. Figures differ by
+    less than the accuracy from those of the stages alone.
     """
     series = {name: series_of_one() for name in (STAGE_NAMES if warm else ())}
     try:
