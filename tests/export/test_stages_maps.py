@@ -268,7 +268,7 @@ def test_a_compressor_of_one_superheat_is_refused_a_second_one_before_it_is_simu
         (["export", "loads", "PLANT", "-o", "a"], "describes two stages, and loads are those of one machine (screwsim"),
         (
             ["export", "loads", "FILE", "-o", "a"],
-            "and loads are those of one machine (screwsim scene",
+            "and loads are those of one machine (for one point screwsim run -o OUT.h5, then screwsim scene OUT.h5",
         ),
         (["export", "csv", "PLANT", "-o", "a.csv"], "there is nothing to map over"),
         (["export", "csv", "PLANT", "-o", "a.csv", "--without", "oil_heat"], "stages have no --without"),
