@@ -271,6 +271,14 @@ def test_lives_of_a_machine_follow_from_its_loads(found):
     assert p.female_discharge_bearing_equivalent_load == pytest.approx(mean, rel=2e-3)
 
 
+def test_a_deep_groove_bearing_holds_a_thrust_that_changes_sides():
+    groove = RADIAL["discharge"] | {"type": "deep_groove_ball", "axial_factor": 1.6}
+    male = {"thrust": "discharge", "suction": RADIAL["suction"], "discharge": groove}
+    result = simulate(with_bearings(PLAIN | {"male": male | {"balance_piston": {"area": "104 cm^2"}}}))
+    thrust = result.cycle["male_axial_load"][:-1]
+    assert thrust.min() < 0.0 < thrust.max() and not [each for each in result.warnings if "changes sides" in each]
+
+
 def test_a_pair_carries_the_thrust_below_e_and_holds_it_either_way():
     """A discharge bearing that carries radial load and thrust, whose piston takes about half of it."""
     pair = RADIAL["discharge"] | {"type": "angular_contact_ball_pair"}

@@ -29,11 +29,12 @@ class BearingType(NamedTuple):
     radial_factor: float | None
     axial_factor: float | None
     at_e: float = 1.0
+    symmetrical: bool = False
 
     @property
-    def paired(self) -> bool:
-        """Whether it is two rows against each other, which hold a thrust either way."""
-        return self.at_e > 1.0
+    def either_way(self) -> bool:
+        """Whether it holds a thrust to either side: two rows against each other, or a row with two shoulders."""
+        return self.symmetrical or self.at_e > 1.0
 
 
 _BALL, _ROLLER = (3.0, 10.0 / 9.0), (10.0 / 3.0, 9.0 / 8.0)
@@ -43,7 +44,7 @@ TYPES = {
     "tapered_roller_pair": BearingType(*_ROLLER, 0.67, None, 1.675),  # 0.67 cot α; 0.45 cot α below e = 1.5 tan α
     "angular_contact_ball": BearingType(*_BALL, 0.35, 0.57),  # α = 40°
     "angular_contact_ball_pair": BearingType(*_BALL, 0.57, 0.93, (0.93 - 0.57 * 0.55) / (0.93 - 0.55)),  # 0.55 below e
-    "deep_groove_ball": BearingType(*_BALL, 0.56, None),  # Y by F_a/C_0
+    "deep_groove_ball": BearingType(*_BALL, 0.56, None, symmetrical=True),  # Y by F_a/C_0
 }
 
 

@@ -239,12 +239,12 @@ def told(rotor: str, bearings: RotorBearings, load: RotorLoad, each: Mapping[str
     piston, left = bearings.balance_piston, float(load.axial.mean())
     least, most = float(load.axial.min()), float(load.axial.max())
     holding = bearings.each.get(bearings.thrust)
-    paired = holding is not None and TYPES[holding.type].paired
-    if least < 0.0 < most and not paired:
+    either_way = holding is not None and TYPES[holding.type].either_way
+    if least < 0.0 < most and not either_way:
         what = f"the axial load of the {rotor} rotor on its bearings changes sides within a turn"
         course = f"from {1e-3 * least:.4g} to {1e-3 * most:.4g} kN towards the suction end"
         smaller = "" if piston is None else f"reduce {path}.balance_piston.area, or "
-        yield f"{what}, {course}, so that no single bearing holds it ({smaller}use a second, opposed bearing)"
+        yield f"{what}, {course}, so that no bearing of one side holds it ({smaller}use a second, opposed bearing)"
     elif piston is not None and left < 0.0:
         what = f"the balance piston of the {rotor} rotor takes {-1e-3 * left:.4g} kN more than its thrust"
         yield f"{what}, which its bearings carry towards the discharge end (reduce {path}.balance_piston.area)"
