@@ -158,7 +158,7 @@ def _text(
 
 def _reed(side: str, valve: valves.Valve, piston: float, speed: float) -> str:
     """Return the entries of a valve with their basis; area of the piston [m²], speed [rad/s]."""
-    full = ", all the room in the head" if valve.mach > valves.MACH * 1.001 else ""
+    full = ", no room for more" if valve.mach > valves.MACH * 1.001 else ""
     share = f"{100.0 * valve.area / piston:.0f} % of the piston{full}"
     times = valve.frequency / speed * 2.0 * math.pi
     entries = (

@@ -88,7 +88,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
     cooled, drop = "discharge_temperature:" in separator.partition("#")[0], duty.p_d - duty.p_s
     bore = sizes.bore(ratio * duty.gas_flow, OILS[oil].density_at(BORE_OIL_TEMPERATURE), drop)
     substitute = _substitute_properties(fluid, duty)
-    viscosity = "" if substitute is None else f", gas_viscosity: {1e3 * substitute[1]:.3g} mPa s"
+    viscosity = "" if substitute is None else f",\n    gas_viscosity: {1e3 * substitute[1]:.3g} mPa s"
     values = {
         **conditions(duty),
         **_drive(fluid, _power(duty, asked), asked.motor),
