@@ -26,6 +26,7 @@ CASES: tuple[Mapping[str, object], ...] = (
     *({"fluid": gas, "condition": condition, "speed": speed} for gas, condition in GASES for speed in SPEEDS),
     {"displacement": "1 m^3/h", "speed": "2950 rpm"},
     {"displacement": "60 m^3/h"},
+    {"condition": "5/30 degC, 10 K", "speed": "3550 rpm"},
     {"fluid": "R1233zd(E)"},
 )
 VARIED: Mapping[str, object] = {"fluid": "R404A", "condition": "0/40 degC, 18.3 K", "speed": "1750 rpm"}

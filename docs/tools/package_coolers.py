@@ -24,6 +24,7 @@ MACHINES = (
     {"condition": "0 bar(g)/10 bar(g)"},
     {"condition": "0 bar(g)/13 bar(g)"},
     {"condition": "0 bar(g)/7.5 bar(g), 35 degC"},
+    {"condition": "0 bar(g)/13 bar(g), 50 degC"},
 )
 HEADS = ("options", "kW/K", "load %", "room °C", "its oil °C", "mixture at 40 °C")
 

@@ -16,7 +16,7 @@ from screwsim.scene.plausible import leaks_in_words
 from screwsim.study.sizing import NEAR, SizedMachine, sized_machine, with_steady_port
 from screwsim.study.sizing import performance_lines as sized_told
 from screwsim.study.validation import sibling
-from screwsim.template import KINDS, new_scene, refrigeration, request_of, sizes
+from screwsim.template import KINDS, gas, new_scene, refrigeration, request_of, sizes
 
 ROOT = Path(__file__).parents[2]
 templates = sibling(ROOT / "docs" / "tools" / "templates.py")
@@ -86,28 +86,58 @@ ROOM, MADE_FOR = 30.0, 40.0  # [°C] where a package's oil cooler should just su
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "stated",
-    [{}, {"condition": "0 bar(g)/3 bar(g)"}, {"displacement": "60 m^3/h", "condition": "0 bar(g)/10 bar(g)"}],
+    [
+        {},
+        {"condition": "0 bar(g)/3 bar(g)"},
+        {"displacement": "60 m^3/h", "condition": "0 bar(g)/10 bar(g)"},
+        {"condition": "1/8 bar, -20 degC"},
+    ],
 )
 def test_the_oil_cooler_of_an_air_package_suffices_up_to_its_room_and_a_hot_day_warms_the_oil(stated):
     scene = scene_of("air", **stated)
     unbounded = screwsim.simulate(scene.with_({"effects.separator.cooler.conductance": None}), trace=False)
-    rooms = [scene.with_({"operation.suction.temperature": f"{T} degC"}) for T in (20.0, ROOM, MADE_FOR)]
-    rated, there, hot = (screwsim.simulate(room, trace=False) for room in rooms)
+    rooms = [scene.with_({"operation.suction.temperature": f"{T} degC"}) for T in (ROOM, MADE_FOR)]
+    rated, there, hot = (screwsim.simulate(room, trace=False) for room in (scene, *rooms))
     assert all(one.status == "ok" for one in (unbounded, rated, there, hot))
     assert rated.warnings == () and rated.performance.oil_cooler_load < 0.9
     for name in ("free_air_delivered", "package_input_power", "oil_cooler_duty", "mixture_discharge_temperature"):
         assert rated.performance[name] == pytest.approx(unbounded.performance[name], rel=1e-9), name
-    assert there.performance.oil_cooler_load == pytest.approx(1.0, abs=0.15)  # by estimates of flow and heat
+    assert 0.84 < there.performance.oil_cooler_load < 1.0  # the power is estimated some 10 % too large
     assert hot.performance.oil_cooler_load > 1.0
     kept = scene.effects["separator"].parameters.cooler.discharge_temperature
-    assert kept < hot.performance.mixture_discharge_temperature < 368.15
+    assert kept < hot.performance.mixture_discharge_temperature < 363.15
 
 
-def test_an_oil_cooler_has_no_size_where_the_room_is_nearly_as_warm_as_the_oil():
-    assert scene_of("air", condition="1/8 bar, 35 degC").effects["separator"].parameters.cooler.conductance
-    text = new_scene("air", request_of(condition="1/8 bar, 50 degC"))
-    assert screwsim.loads(text).effects["separator"].parameters.cooler.conductance is None
-    assert "whatever duty that takes" in text
+@pytest.mark.parametrize("room", [303.15, 313.15, 333.15, 363.15])
+def test_an_air_package_s_oil_cooler_takes_what_gas_that_enters_from_its_room_leaves_of_the_power(room):
+    """Capacity rates of 0.3 kW/K of gas and 2 kW/K of oil, 90 kW: the largest effectiveness, 0.9, allows 37 °C."""
+    taken, rates, leaves = 90e3, (300.0, 2000.0), 353.15
+    cooler = gas._oil_cooler(room, taken, *rates)
+    effectiveness = -math.expm1(-cooler.conductance / rates[1])  # M288
+    assert (rates[0] + effectiveness * rates[1]) * (leaves - cooler.room) == pytest.approx(taken)
+    warmest = leaves - taken / (300.0 + 0.9 * 2000.0)
+    assert cooler.room == pytest.approx(min(room, warmest))
+    assert cooler.largest == (None if room < warmest else pytest.approx(0.9))
+
+
+def test_an_air_package_whose_gas_carries_all_heat_has_an_oil_cooler_without_a_size():
+    assert gas._oil_cooler(303.15, taken=10e3, gas=300.0, oil=2000.0) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("inlet", "room"), [(30, 35), (35, 40), (36, 40), (50, 38)])
+def test_air_packages_for_warm_rooms_have_an_oil_cooler_of_a_usual_size_and_state_its_room(inlet, room):
+    """Where 0.9 does not suffice for 5 K above the inlet, the room stated is the one for which it does."""
+    text = new_scene("air", request_of(condition=f"0 bar(g)/7.5 bar(g), {inlet} degC"))
+    assert f"up to a room of some {room} degC, beyond" in text
+    assert ("Its effectiveness is 0.9" in text) == (inlet >= 35)  # at 35 that is 39.9 °C
+    scene = screwsim.loads(text)
+    there = screwsim.simulate(scene.with_({"operation.suction.temperature": f"{room} degC"}), trace=False)
+    assert (there.status, there.warnings) == ("ok", ())
+    assert 0.84 < there.performance.oil_cooler_load < 1.0
+    rated = screwsim.simulate(scene, trace=False)
+    assert rated.status == "ok"
+    assert any("the oil cooler cannot keep 80 degC" in each for each in rated.warnings) == (inlet == 50)
 
 
 @pytest.mark.slow

@@ -20,8 +20,8 @@ LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power; of an expander, fro
 DRY_CLEARANCE = 80e-6  # [m], clearances of dry rotors of 160 mm: two to four times those of flooded ones, assumed
 AIR_OIL = 4.0  # least kg of oil per kg of air, warmed by some 30 K (validation/cagi)
 LARGEST_OIL_WARMING = 40.0  # [K] most by which the oil of an air package is warmed: assumed
-ROOM, ROOM_RESERVE = 303.15, 5.0  # [K] room in which its cooler keeps LEAVES, this far above the inlet at least
-LARGEST_EFFECTIVENESS = 0.9  # of that cooler, for which 2.3 transfer units are needed; none is written beyond
+ROOM, ROOM_RESERVE = 303.15, 5.0  # [K] room in which its cooler keeps LEAVES, this far above the inlet at least ...
+LARGEST_EFFECTIVENESS = 0.9  # ... as far as this suffices, for which 2.3 transfer units are needed: assumed
 LEAVES, WARMED = 353.15, 30.0  # [K] temperature at a booster's outlet, and by how much its oil is warmed
 FRICTION_COOLING = 0.5  # share of WARMED by which oil is warmed less where all power is friction: cold films take more
 LEAST_OIL, LEAST_SHARE = 2.0, 0.004  # least kg of oil per kg of gas; and of the displaced volume (air packages: 0.5 %)
@@ -130,9 +130,8 @@ def air(asked: SceneRequest) -> str:
     friction = BROUGHT * _friction(size, oil)
     taken = max(gas_flow * worse * duty.work / ETA, gas_flow * worse * _package_work(duty) + friction)
     carried = _oil_per_air(duty, taken / gas_flow, oil)
-    cooler = _oil_cooler(
-        duty, gas_flow * _oil_heat(duty, taken / gas_flow), carried * gas_flow * _oil_heat_capacity(oil)
-    )
+    oil_capacity = carried * gas_flow * _oil_heat_capacity(oil)
+    cooler = _oil_cooler(max(ROOM, duty.T + ROOM_RESERVE), taken, gas_flow * _heat_capacity(duty), oil_capacity)
     rated = sizes.motor_for(taken) if asked.motor is None else 1e-3 * asked.motor
     displaced = [] if asked.by_sheet else [f"{sizes.flow_text(flow)} at {sizes.rpm(speed)}"]
     values = {
@@ -159,23 +158,30 @@ def _oil_per_air(duty: Duty, taken: float, oil: str) -> float:
 
 def _oil_heat(duty: Duty, taken: float) -> float:
     """Return what the oil carries [J/kg of air] of a work taken [J/kg]."""
-    return taken - duty.R * duty.k / (duty.k - 1.0) * (LEAVES - duty.T)
+    return taken - _heat_capacity(duty) * (LEAVES - duty.T)
+
+
+def _heat_capacity(duty: Duty) -> float:
+    """Return the gas's heat capacity at constant pressure [J/(kg K)]."""
+    return duty.R * duty.k / (duty.k - 1.0)
 
 
 def _oil_heat_capacity(oil: str) -> float:
     return OILS[oil].heat_capacity_at(LEAVES - 0.5 * LARGEST_OIL_WARMING)
 
 
-def _oil_cooler(duty: Duty, heat: float, capacity: float) -> texts.OilCooler | None:
-    """Return the cooler that takes a heat [W] from oil of a heat capacity rate [W/K] in the warmest room (M288).
+def _oil_cooler(room: float, taken: float, gas: float, oil: float) -> texts.OilCooler | None:
+    """Return the cooler that keeps LEAVES in a room [K], or as far as the largest effectiveness allows (M288).
 
-    None where that room is too warm for any usual cooler.
+    The air enters as warm as the room: taken = (gas + effectiveness oil) (LEAVES - room), of the power taken [W] and
+    heat capacity rates [W/K]. None where the gas carries all heat.
     """
-    room = max(ROOM, duty.T + ROOM_RESERVE)
-    most = capacity * (LEAVES - room)
-    if not 0.0 < heat <= LARGEST_EFFECTIVENESS * most:
+    warmest = LEAVES - taken / (gas + LARGEST_EFFECTIVENESS * oil)
+    kept = min(room, warmest)
+    effectiveness = (taken / (LEAVES - kept) - gas) / oil
+    if effectiveness <= 0.0:
         return None
-    return texts.OilCooler(room, -capacity * math.log1p(-heat / most))
+    return texts.OilCooler(kept, -oil * math.log1p(-effectiveness), effectiveness if warmest < room else None)
 
 
 def _package_work(duty: Duty) -> float:

@@ -15,16 +15,20 @@ from screwsim.template.request import SceneRequest
 UNBOUNDED_COOLER = "whatever duty that takes\n  # (conductance and coolant_temperature give the cooler a size)."
 BOUNDED_COOLER = (
     "as far as its cooler\n  # suffices: by estimates of flow and heat up to a room of some {room}, beyond which "
-    "both rise together. That room\n  # is assumed; at 40 degC, up to which packages are usually made to run, "
+    "both rise together.\n  # {basis}; at 40 degC, up to which packages are usually made to run,\n  # "
     "80 to 95 degC follow."
 )
 
 
 class OilCooler(NamedTuple):
-    """An oil cooler: the warmest room [K] in which it keeps the outlet temperature, and its conductance [W/K]."""
+    """An oil cooler: the warmest room [K] in which it keeps the outlet temperature, and its conductance [W/K].
+
+    `largest`: the effectiveness, where the most that is usual does not suffice for the room aimed at.
+    """
 
     room: float
     conductance: float
+    largest: float | None
 
 
 def filled(name: str, values: Mapping[str, str]) -> str:
@@ -85,7 +89,11 @@ def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None) ->
     kept, conductance = UNBOUNDED_COOLER, ""
     if cooler is not None:
         room = f"{cooler.room - ZERO_CELSIUS:.0f} degC"
-        kept, conductance = BOUNDED_COOLER.format(room=room), f", conductance: {1e-3 * cooler.conductance:.2g} kW/K"
+        basis = (
+            f"Its effectiveness is {cooler.largest:g}, the most assumed" if cooler.largest else "That room is assumed"
+        )
+        kept = BOUNDED_COOLER.format(room=room, basis=basis)
+        conductance = f", conductance: {1e-3 * cooler.conductance:.2g} kW/K"
     values = {
         "ports": ports(size),
         "leaves": f"{leaves - ZERO_CELSIUS:.0f} degC",
