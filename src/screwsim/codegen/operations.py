@@ -352,7 +352,7 @@ class Operations:
     def _float(self, values: Sequence[Value], node: ast.Call) -> Value:
         return self.as_kind(values[0], self.common("float", (*values, constant(0.0)), node))
 
-    def _same_bits(self, values: Sequence[Value], node: ast.Call) -> Value:
+    def _same_bits(self, values: Sequence[Value], node: ast.AST) -> Value:
         """Return the integer with the bits of a float, or the float with those of an integer."""
         kind = self.common("bits", values, node)
         found, value = SAME_BITS[kind], self.as_kind(values[0], kind)
