@@ -451,6 +451,24 @@ def test_what_python_refuses_is_no_number(body):
     assert 0 < failed < 6 * LANES
 
 
+MORE_THAN_64_BITS = {
+    "product": "i = int(x)\n    for k in range(60):\n        i = i * 3\n    return 1.0 if i > 0 else 2.0",
+    "power": "return 1.0 if int(1e7 * x) ** 3 > 0 else 2.0",
+    "sum": "return 1.0 if int(9e18) + int(9e17 * x) > 0 else 2.0",
+    "difference": "return 1.0 if -int(9e18) - int(9e17 * x) > 0 else 2.0",
+    "int": "return 1.0 if int(1e19 * x) > 0 else 2.0",
+}
+
+
+@pytest.mark.parametrize("body", MORE_THAN_64_BITS.values(), ids=MORE_THAN_64_BITS)
+def test_a_whole_number_of_more_than_64_bits_is_none(body):
+    text = own(f"\n    {body}\n")
+    compiled, x = load(HEADER + text, "statements").f, np.arange(LANES) % 2 + 0.0
+    assert compiled(0.0, 1.0) in (1.0, 2.0)
+    assert math.isnan(compiled(1.0, 1.0))
+    assert np.isnan(in_lanes(text, x, x)[0]).tolist() == [False, True] * (LANES // 2)
+
+
 def test_a_quotient_beyond_64_bits_is_no_number():
     text = own("\n    return 1.0 if int(x) // (int(y) - 2) > 0 else 2.0\n")
     least = -(2.0**63)
@@ -503,6 +521,8 @@ REFUSED_TO_USERS = {
     "t = (x, 1.0)\n    return t[2]": "an index beyond the 2 items of the tuple, in 't[2]'",
     "return 1.0 + int(x) // 0": "a division by zero, in 'int(x) // 0'",
     "return 1.0 + 7 % 0": "a division by zero, in '7 % 0'",
+    "return 1.0 * (int(x) * 10**20)": "a whole number of more than 64 bits, in '100000000000000000000'",
+    "return 1.0 if int(x) < 2**64 else 2.0": "a whole number of more than 64 bits, in '18446744073709551616'",
     "return int(x), 1": "int() may fail here, and no float is returned to show it, in 'return (int(x), 1)'",
 }
 

@@ -1,6 +1,8 @@
 """Guards in kernels of a user's own: what Python would refuse gives NaN, and the case fails.
 
-That is an index beyond an array, a division of whole numbers by zero, and `int` of what is no whole number of 64 bits.
+That is an index beyond an array, a division of whole numbers by zero, and `int` of infinity or NaN. A whole number
+beyond 64 bits, which Python would take, is another.
+
 A kernel where one of these may happen notes that it did, and then returns `NONE_SUCH` for every float; a kernel of a
 user's own that calls it finds that NaN by its bits, and notes it, too, whatever it makes of the value.
 """
@@ -13,11 +15,13 @@ from screwsim.codegen.kinds import (
     FLOATS,
     INTEGER,
     INTEGERS,
+    LANES,
     NUMBERS,
     OF_ONE,
     TRUTH,
     Kind,
     Value,
+    condition_of,
     joined,
 )
 from screwsim.codegen.operations import Operations
@@ -26,6 +30,7 @@ from screwsim.codegen.program import constant
 NONE_SUCH = 0x7FF8_0000_0FA0_17ED  # bits of a NaN that no arithmetic makes
 BEYOND = 2.0**63  # smallest float that is no integer of 64 bits
 LEAST = -(2**63)
+CHECKED = {ast.Add: "sadd", ast.Sub: "ssub", ast.Mult: "smul"}
 
 
 class Guards(Operations):
@@ -101,10 +106,30 @@ class Guards(Operations):
     # ---- whole numbers ---------------------------------------------------------------------------------------------
 
     def operation(self, op: ast.operator, a: Value, b: Value, node: ast.AST) -> Value:
-        cut = self.own and isinstance(op, ast.FloorDiv | ast.Mod)
-        if cut and self.common(type(op).__name__, (a, b), node) in (INTEGER, INTEGERS):
-            b = self._divisor(a, b, node)
+        what = type(op)
+        if self.own and what in (ast.FloorDiv, ast.Mod, *CHECKED):
+            kind = self.common(what.__name__, (a, b), node)
+            if kind in (INTEGER, INTEGERS) and what not in CHECKED:
+                b = self._divisor(a, b, node)
+            elif kind in (INTEGER, INTEGERS) and (a.known is None or b.known is None):
+                return self._within_64_bits(CHECKED[what], a, b, kind)
         return super().operation(op, a, b, node)
+
+    def _within_64_bits(self, how: str, a: Value, b: Value, kind: Kind) -> Value:
+        """Return a sum, difference or product of whole numbers, and note where it has more than 64 bits."""
+        part, over = kind.parts[0], condition_of(kind)
+        name = f"llvm.{how}.with.overflow.{'i64' if kind == INTEGER else f'v{LANES}i64'}"
+        both = f"{{{part}, {over.parts[0]}}}"
+        self.library.declare(f"declare {both} @{name}({part}, {part})")
+        x, y = (self.as_kind(each, kind).parts[0] for each in (a, b))
+        found = self.new(f"call {both} @{name}({part} {x}, {part} {y})")
+        self.note(Value(over, (self.new(f"extractvalue {both} {found}, 1"),)))
+        return Value(kind, (self.new(f"extractvalue {both} {found}, 0"),))
+
+    def as_kind(self, value: Value, kind: Kind) -> Value:
+        if self.own and kind in (INTEGER, INTEGERS) and not LEAST <= (value.known or 0) < -LEAST:
+            raise self.fail(ast.Constant(value.known), "a whole number of more than 64 bits")
+        return super().as_kind(value, kind)
 
     def _divisor(self, a: Value, b: Value, node: ast.AST) -> Value:
         """Return a divisor, 1 where it is zero or the quotient is beyond 64 bits, which end a process."""
@@ -152,7 +177,7 @@ class Guards(Operations):
     def _counted(self, k: Value, length: Value, node: ast.AST) -> Value:
         """Return a place counted from an array's start, where it may count from its end."""
         below = self.compare(ast.Lt(), k, constant(0), node)
-        return k if below.known is False else self.chosen(below, self.operation(ast.Add(), k, length, node), k)
+        return k if below.known is False else self.chosen(below, super().operation(ast.Add(), k, length, node), k)
 
     def within(self, first: Value, last: Value, size: str, node: ast.AST) -> tuple[Value, Value, Value]:
         """Return begin, end and length of a slice of a user's array as Python cuts it; an empty one begins inside."""
