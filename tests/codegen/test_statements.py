@@ -291,6 +291,9 @@ def user_m__square(i):
 def user_m__at(i):
     return TABLE[i]
 
+def user_m__row(i):
+    return SQUARE[i]
+
 def user_m__parts(i, j):
     return i // j, i % j, TABLE[i]
 
@@ -301,7 +304,7 @@ def user_m__wholes(i, j):
 
 def own(body):
     """Return the text of a user's kernel of x and y, and of what calls it."""
-    called = re.sub(r"\b(square|at|parts|wholes)\(", r"user_m__\1(", body)
+    called = re.sub(r"\b(square|at|row|parts|wholes)\(", r"user_m__\1(", body)
     return f"{TABLES}{HELPERS}\ndef user_m__law(x, y):{called}\n\ndef f(x, y):\n    return user_m__law(x, y)\n"
 
 
@@ -523,13 +526,14 @@ REFUSED_TO_USERS = {
     "return 1.0 + 7 % 0": "a division by zero, in '7 % 0'",
     "return 1.0 * (int(x) * 10**20)": "a whole number of more than 64 bits, in '100000000000000000000'",
     "return 1.0 if int(x) < 2**64 else 2.0": "a whole number of more than 64 bits, in '18446744073709551616'",
+    "return row(int(x))[0]": "no float is returned to show it, in 'return SQUARE[i]'",
     "return int(x), 1": "int() may fail here, and no float is returned to show it, in 'return (int(x), 1)'",
 }
 
 
 @pytest.mark.parametrize("body", REFUSED_TO_USERS)
 def test_what_a_users_kernel_may_not_do_is_refused_alone_and_in_lanes(body):
-    text, told = own(f"\n    {body}\n"), "user_m__law: .*" + re.escape(REFUSED_TO_USERS[body])
+    text, told = own(f"\n    {body}\n"), "user_m__(law|row): .*" + re.escape(REFUSED_TO_USERS[body])
     with pytest.raises(CannotCompile, match=told):
         load(HEADER + text, "statements").f(1.0, 2.0)
     with pytest.raises(CannotCompile, match=told):

@@ -30,7 +30,7 @@ from screwsim.codegen.program import constant
 NONE_SUCH = 0x7FF8_0000_0FA0_17ED  # bits of a NaN that no arithmetic makes
 BEYOND = 2.0**63  # smallest float that is no integer of 64 bits
 LEAST = -(2**63)
-CHECKED = {ast.Add: "sadd", ast.Sub: "ssub", ast.Mult: "smul"}
+CHECKED: dict[type, str] = {ast.Add: "sadd", ast.Sub: "ssub", ast.Mult: "smul"}
 
 
 class Guards(Operations):
@@ -79,7 +79,7 @@ class Guards(Operations):
             return kind
         if OF_ONE.get(kind, kind) in NUMBERS:
             return joined(kind, FLOAT) or kind
-        if not {FLOAT, FLOATS} & {*kind.of}:
+        if kind.name != "t" or not {FLOAT, FLOATS} & {*kind.of}:
             raise self.fail(node, "an index, a division or int() may fail here, and no float is returned to show it")
         return kind
 
