@@ -1,6 +1,8 @@
 """What a user's kernel may say gives Python's numbers: compiled, and in lanes that take different ways."""
 
+import math
 import random
+import re
 
 import numpy as np
 import pytest
@@ -11,11 +13,12 @@ from screwsim.codegen.kinds import LANES
 from screwsim.codegen.modules import Module, load, module_name
 from screwsim.codegen.program import CannotCompile
 from screwsim.numerics.derivative import tangent
-from screwsim.numerics.kernel import flatten
+from screwsim.numerics.kernel import flatten, kernel
 
 TABLES = """
 TABLE = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0])
 SQUARE = np.array([[1.0, 2.0, 4.0], [8.0, 9.0, 10.0]])
+WHOLES = np.array([3, 1, 2])
 """
 # loops whose counter, or what a loop sets, is read behind them
 COUNTERS = {
@@ -265,17 +268,44 @@ OTHERS = {
         if n > 7:
             return -1.0
 """,
+    "slices": """
+    n, last = 0, 0.0
+    for i in range(9):
+        part = TABLE[i - 3 : i]
+        n += part.shape[0] + TABLE[i:2].shape[0] + SQUARE[-i:].shape[0]
+        for k in range(part.shape[0]):
+            last += part[k] * x
+    tail = TABLE[5:12]
+    return n + last + 100.0 * tail.shape[0] + tail[-1] + SQUARE[1:][0, 2] + TABLE[3:-9].shape[0] + TABLE[9:].shape[0]
+""",
     "chained": """
     return 1.0 if -1.0 <= x < y != 0.5 < 2.0 else 0.0
 """,
 }
 
 
+HELPERS = """
+def user_m__square(i):
+    return i * i
+
+def user_m__at(i):
+    return TABLE[i]
+
+def user_m__row(i):
+    return SQUARE[i]
+
+def user_m__parts(i, j):
+    return i // j, i % j, TABLE[i]
+
+def user_m__wholes(i, j):
+    return WHOLES[i + j]
+"""
+
+
 def own(body):
     """Return the text of a user's kernel of x and y, and of what calls it."""
-    square = "def user_m__square(i):\n    return i * i\n\n"
-    called = body.replace("square(", "user_m__square(")
-    return f"{TABLES}\n{square}def user_m__law(x, y):{called}\n\ndef f(x, y):\n    return user_m__law(x, y)\n"
+    called = re.sub(r"\b(square|at|row|parts|wholes)\(", r"user_m__\1(", body)
+    return f"{TABLES}{HELPERS}\ndef user_m__law(x, y):{called}\n\ndef f(x, y):\n    return user_m__law(x, y)\n"
 
 
 def checked(text):
@@ -373,6 +403,98 @@ def test_derivatives_of_random_kernels_have_the_bits_of_python(seed):
     compare(text, np.random.default_rng(seed), 2, name=both.flat_name, results=3)
 
 
+FAILS = {
+    "index": "\n    return TABLE[int(4.0 * x)] * y\n",
+    "rows": "\n    return SQUARE[int(x)][int(2.0 * y)] + SQUARE[int(y), int(x)]\n",
+    "of whole numbers": "\n    return WHOLES[int(2.0 * x)]\n",
+    "in a branch, of no matter": """
+    z = 0.0
+    if x > y:
+        z = TABLE[int(6.0 * y)]
+    return x if z > 1.0 else y
+""",
+    "in a loop": """
+    for i in range(12):
+        if TABLE[i] * 0.03 > x:
+            break
+    return x + i
+""",
+    "only where both hold": "\n    return 1.0 if x > 0.0 and TABLE[int(5.0 * x)] > y else 2.0\n",
+    "quotient": "\n    return 0.5 + int(9.0 * x) // int(y)\n",
+    "remainder": "\n    j = int(y)\n    return 0.5 if 7 % j == 0 else 2.0\n",
+    "by a truth": "\n    return 0.5 + int(9.0 * x) // (x > y)\n",
+    "in a helper": "\n    return 1.0 if at(int(6.0 * x)) > y else 2.0\n",
+    "in one of its values": "\n    a, b, c = parts(int(2.0 * x), int(y))\n    return 1.0 if a > b else 2.0\n",
+    "in whole numbers": "\n    return max(wholes(int(x), int(y)), 2)\n",
+    "slice, item": "\n    s = TABLE[4:]\n    return s[int(3.0 * abs(x))] + TABLE[9:][int(x)] if x > y else s[int(x)]\n",
+    "int": "\n    return 1.0 + min(int(math.inf if x > y else x), 3)\n",
+    "floor": "\n    return 1.0 + min(math.floor(math.inf - math.inf if x > y else x), 3)\n",
+}
+NONE = (IndexError, ZeroDivisionError, OverflowError, ValueError)
+
+
+@pytest.mark.parametrize("body", FAILS.values(), ids=FAILS)
+def test_what_python_refuses_is_no_number(body):
+    """Nor where what was read, divided or rounded is only compared; other lanes keep their numbers."""
+    names = {}
+    exec(HEADER + own(body), names)
+    compiled, rng, failed = load(HEADER + own(body), "statements").f, np.random.default_rng(7), 0
+    for _ in range(6):
+        x, y = rng.uniform(-2.0, 3.0, (2, LANES))
+        mask = int(rng.integers(1, ALL + 1))
+        together = in_lanes(own(body), x, y, mask=mask)[0]
+        for lane, pair in enumerate(zip(x.tolist(), y.tolist(), strict=True)):
+            try:
+                expected = float(names["f"](*pair))
+            except NONE:
+                expected, failed = math.nan, failed + 1
+            assert compiled(*pair) == pytest.approx(expected, rel=0.0, abs=0.0, nan_ok=True), pair
+            if mask >> lane & 1:
+                assert together[lane] == pytest.approx(expected, rel=0.0, abs=0.0, nan_ok=True), pair
+    assert 0 < failed < 6 * LANES
+
+
+MORE_THAN_64_BITS = {
+    "product": "i = int(x)\n    for k in range(60):\n        i = i * 3\n    return 1.0 if i > 0 else 2.0",
+    "power": "return 1.0 if int(1e7 * x) ** 3 > 0 else 2.0",
+    "sum": "return 1.0 if int(9e18) + int(9e17 * x) > 0 else 2.0",
+    "difference": "return 1.0 if -int(9e18) - int(9e17 * x) > 0 else 2.0",
+    "int": "return 1.0 if int(1e19 * x) > 0 else 2.0",
+}
+
+
+@pytest.mark.parametrize("body", MORE_THAN_64_BITS.values(), ids=MORE_THAN_64_BITS)
+def test_a_whole_number_of_more_than_64_bits_is_none(body):
+    text = own(f"\n    {body}\n")
+    compiled, x = load(HEADER + text, "statements").f, np.arange(LANES) % 2 + 0.0
+    assert compiled(0.0, 1.0) in (1.0, 2.0)
+    assert math.isnan(compiled(1.0, 1.0))
+    assert np.isnan(in_lanes(text, x, x)[0]).tolist() == [False, True] * (LANES // 2)
+
+
+def test_a_quotient_beyond_64_bits_is_no_number():
+    text = own("\n    return 1.0 if int(x) // (int(y) - 2) > 0 else 2.0\n")
+    least = -(2.0**63)
+    assert math.isnan(load(HEADER + text, "statements").f(least, 1.0))
+    found = in_lanes(text, np.full(LANES, least), np.arange(LANES) % 2 + 0.0)[0]
+    assert np.isnan(found).tolist() == [False, True] * (LANES // 2)
+
+
+STEPS = np.array([0.5, 2.0, 3.0])
+
+
+@kernel
+def stepped(x, y):
+    return STEPS[int(x)] * x * y
+
+
+def test_derivatives_of_what_python_refuses_are_no_numbers():
+    both = tangent(stepped, ("x", "y"))
+    compiled = getattr(load(HEADER + "\n\n".join(flatten((both,)).values()) + "\n", "statements"), both.flat_name)
+    assert compiled(1.5, 2.0) == both(1.5, 2.0) == (6.0, 4.0, 3.0)
+    assert all(map(math.isnan, compiled(3.5, 2.0)))
+
+
 REFUSED = {
     "for i in range(3):\n        x += i\n    else:\n        x = 0.0\n    return x": "`else` of a loop is not compiled",
     "while x < 3.0:\n        x += 1.0\n    else:\n        x = 0.0\n    return x": "`else` of a loop is not compiled",
@@ -390,3 +512,29 @@ def test_what_is_not_compiled_is_refused_alone_and_in_lanes(body):
         load(HEADER + text, "statements").f(1.0)
     with pytest.raises(CannotCompile, match=REFUSED[body].replace("(", r"\(").replace(")", r"\)")):
         in_lanes(text, np.ones(LANES))
+
+
+REFUSED_TO_USERS = {
+    "TABLE[0] = x\n    return x": "a kernel of one's own changes no arrays; use numbers and tuples, in 'TABLE[0]'",
+    "SQUARE[1][0] += x\n    return x": "changes no arrays",
+    "a = np.zeros(2)\n    return a[0]": "makes no arrays; use numbers, tuples and arrays of the module",
+    "a = np.empty((2, 2))\n    return x": "makes no arrays",
+    "return TABLE[7] * x": "an index beyond the 7 items of the array, in 'TABLE[7]'",
+    "return SQUARE[0][-4] * x": "an index beyond the 3 items of the array",
+    "t = (x, 1.0)\n    return t[2]": "an index beyond the 2 items of the tuple, in 't[2]'",
+    "return 1.0 + int(x) // 0": "a division by zero, in 'int(x) // 0'",
+    "return 1.0 + 7 % 0": "a division by zero, in '7 % 0'",
+    "return 1.0 * (int(x) * 10**20)": "a whole number of more than 64 bits, in '100000000000000000000'",
+    "return 1.0 if int(x) < 2**64 else 2.0": "a whole number of more than 64 bits, in '18446744073709551616'",
+    "return row(int(x))[0]": "no float is returned to show it, in 'return SQUARE[i]'",
+    "return int(x), 1": "int() may fail here, and no float is returned to show it, in 'return (int(x), 1)'",
+}
+
+
+@pytest.mark.parametrize("body", REFUSED_TO_USERS)
+def test_what_a_users_kernel_may_not_do_is_refused_alone_and_in_lanes(body):
+    text, told = own(f"\n    {body}\n"), "user_m__(law|row): .*" + re.escape(REFUSED_TO_USERS[body])
+    with pytest.raises(CannotCompile, match=told):
+        load(HEADER + text, "statements").f(1.0, 2.0)
+    with pytest.raises(CannotCompile, match=told):
+        in_lanes(text, np.ones(LANES), np.ones(LANES))

@@ -4,11 +4,13 @@ import json
 import re
 import sys
 from dataclasses import replace
+from functools import partial
 
 import pytest
 from scenes import make, scene_dict
 
 from screwsim import simulate
+from screwsim.batch import together
 from screwsim.build.own_modules import checked_parts
 from screwsim.effects.base import FlowPath
 from screwsim.numerics.kernel import kernel
@@ -61,6 +63,21 @@ def test_what_cannot_be_fails_the_case_and_is_named(name):
     assert result.message.startswith(f"effects.{NAME}: {words}")
     assert result.message.endswith(", which is impossible; fix that module")
     assert "\n" not in result.message
+
+
+def looked_up(first):
+    base = scene_dict({})
+    changed = {**base["effects"], "own_effects.looked_up": {"first": first}}
+    return loads(json.dumps({**base, "effects": changed}))
+
+
+def test_an_index_beyond_a_table_fails_the_case_alone_and_in_lanes():
+    """Where the pressure reaches the table's end, though the number read there is only compared."""
+    cases = [looked_up(first) for first in (0, 95)]
+    many = together([partial(simulate, each, False) for each in cases])
+    for found in ([simulate(each, trace=False) for each in cases], many):
+        assert [result.status for result in found] == ["ok", "failed"]
+        assert found[1].message.startswith("effects.own_effects.looked_up: its heat rate is nan W at ")
 
 
 @kernel

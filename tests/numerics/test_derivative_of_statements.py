@@ -137,6 +137,18 @@ def pairs_or_constants(x, y):
 
 
 @kernel
+def larger_first(a, b):
+    return pair(a, b) if a > b else (swapped_pair(a, b) if a > 0.0 else (b, a * b))
+
+
+@kernel
+def chooses_between_pairs(x, y):
+    a, b = larger_first(x, y)
+    b, a = larger_first(b, a * y)
+    return a * b + larger_first(y, -x)[1]
+
+
+@kernel
 def calls(x, y):
     a, b = swapped_pair(x * x, y)
     one = three(x, y, 2.0) + three(1.0, 0.5, x) * three(0.3, y, y)

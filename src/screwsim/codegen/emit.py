@@ -97,6 +97,7 @@ class Emitter(Expressions):
         self.loops: list[tuple[str, str]] = []
         self.again, self.depth = False, 0
         self.last, self.kinds = self.kinds, {}
+        self.begin_guards()
         parameters = self._parameters()
         self.body(self.node.body)
         return parameters
@@ -222,10 +223,16 @@ class Emitter(Expressions):
                 for one, item in zip(targets, items, strict=True):
                     self.assign(one, item)
             case ast.Subscript(value=of, slice=index):
-                place, kind = self.element(self.expression(of), index, target)
+                place, kind = self.stored(of, index, target)
                 self.write(place, kind, value)
             case _:
                 raise self.fail(target, "this cannot be given a value")
+
+    def stored(self, of: ast.expr, index: ast.expr, target: ast.expr) -> tuple[str, Kind]:
+        """Return what `element` does of an element that is given a value."""
+        if self.own:
+            raise self.fail(target, "a kernel of one's own changes no arrays; use numbers and tuples")
+        return self.element(self.expression(of), index, target)
 
     def augment(self, node: ast.AugAssign) -> None:
         """Write `+=` and the like; the address of an element is computed once."""
@@ -233,7 +240,7 @@ class Emitter(Expressions):
         if not isinstance(target, ast.Subscript):
             self.assign(target, self.operation(node.op, self.expression(target), self.expression(node.value), node))
             return
-        place, kind = self.element(self.expression(target.value), target.slice, target)
+        place, kind = self.stored(target.value, target.slice, target)
         before = self.read(place, kind)
         self.write(place, kind, self.operation(node.op, before, self.expression(node.value), node))
 
@@ -346,9 +353,10 @@ class Emitter(Expressions):
         kind = joined(self.returns or value.kind, value.kind)
         if kind is None or "c" in (kind.name, *(each.name for each in kind.of)):
             raise self.fail(node, f"{value.kind} cannot be returned beside {self.returns}")
+        kind = self.kind_to_return(kind, node)
         self.again |= kind != (self.returns or kind)
         self.returns = kind
-        return self.as_kind(value, kind)
+        return self.or_none(self.as_kind(value, kind))
 
     def give_back(self, kind: Kind, parts: Sequence[str]) -> None:
         """Write the return of a value."""

@@ -4,6 +4,7 @@ import ast
 import math
 from collections.abc import Callable, Sequence
 
+from screwsim.codegen.guards import Guards
 from screwsim.codegen.kinds import (
     ARRAYS,
     FLOAT,
@@ -19,7 +20,6 @@ from screwsim.codegen.kinds import (
     joined,
     row_of,
 )
-from screwsim.codegen.operations import Operations
 from screwsim.codegen.program import called_name, constant
 from screwsim.numerics.expressions import choice_of
 
@@ -34,7 +34,7 @@ def is_condition(node: ast.expr) -> bool:
     return isinstance(node, ast.Compare) or (isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not))
 
 
-class Expressions(Operations):
+class Expressions(Guards):
     """Part of an emitter that writes expressions; it knows the variables."""
 
     def load(self, name: str, node: ast.AST) -> Value:
@@ -163,6 +163,8 @@ class Expressions(Operations):
             k = self.expression(index).known
             if not isinstance(k, int):
                 raise self.fail(node, "a tuple's index must be a number of the text")
+            if not -len(of.kind.of) <= k < len(of.kind.of):
+                raise self.fail(node, f"an index beyond the {len(of.kind.of)} items of the tuple")
             return self.of_context(of, k) if of.kind.name == "c" else of.items()[k]
         if isinstance(index, ast.Slice):
             return self._slice(of, index, node)
@@ -196,10 +198,13 @@ class Expressions(Operations):
         first = constant(0) if index.lower is None else self.whole(self.expression(index.lower), node)
         last = Value(INTEGER, (of.parts[1],))
         last = last if index.upper is None else self.whole(self.expression(index.upper), node)
+        count = None
+        if self.own:
+            first, last, count = self.within(first, last, of.parts[1], node)
         at, kind = self._row_begins(of, first, node)
         if any(end.known is not None and end.known < 0 for end in (first, last)):
             raise self.fail(node, "this slice is not compiled")
-        count = self.operation(ast.Sub(), last, first, node)
+        count = count or self.operation(ast.Sub(), last, first, node)
         if count.kind != INTEGER:
             raise self.fail(node, "lanes cannot take parts of different length")
         return Value(kind, (at, count.parts[0], *of.parts[2:]))
@@ -233,11 +238,14 @@ class Expressions(Operations):
         if returned == NOTHING:
             self.add(call)
             return NONE
-        found = self.new(call)
+        found, parts = self.new(call), range(len(returned.parts))
         if returned.name not in f"{ARRAYS}t":
-            return Value(returned, (found,))
-        parts = range(len(returned.parts))
-        return Value(returned, tuple(self.new(f"extractvalue {returned.returned} {found}, {i}") for i in parts))
+            value = Value(returned, (found,))
+        else:
+            value = Value(returned, tuple(self.new(f"extractvalue {returned.returned} {found}, {i}") for i in parts))
+        if self.own and self.library.may_fail(name, values):
+            self.note_of_call(value)
+        return value
 
     def beside(self) -> list[str]:
         """Return the arguments that every kernel takes before its own."""
@@ -245,6 +253,8 @@ class Expressions(Operations):
 
     def _room(self, node: ast.Call, cleared: bool) -> Value:
         """Return an array in the function's stack memory, which ends with the function."""
+        if self.own:
+            raise self.fail(node, "a kernel of one's own makes no arrays; use numbers, tuples and arrays of the module")
         shape = node.args[0].elts if isinstance(node.args[0], ast.Tuple) else [node.args[0]]
         sizes = [self.whole(self.expression(each), each) for each in shape]
         whole = len(node.args) > 1 and ast.unparse(node.args[1]) == "np.int64"

@@ -113,7 +113,10 @@ def power_of_lanes(x, y):
 
 @kernel
 def power_of_any(x, y):
-    """Return x^y as the C library does for |y| < 2^51: 1 for y = 0, and for x < 0 a number where y is whole."""
+    """Return x^y for |y| < 2^51: 1 for y = 0, and for x < 0 a number where y is whole.
+
+    As the C library does for normal numbers and results, without the sign of a zero.
+    """
     found = power_of_lanes(abs(x), y)
     whole, half = (y + SHIFTED) - SHIFTED, (0.5 * y + SHIFTED) - SHIFTED
     signed = (found if half == 0.5 * y else -found) if whole == y else math.nan

@@ -63,6 +63,12 @@ class LaneOperations(Expressions):
         """Return whether any lane is active."""
         return Value(TRUTH, (self.new(f"icmp ne i{LANES} {self.new(f'bitcast {MASK} {mask} to i{LANES}')}, 0"),))
 
+    def conditions(self) -> Kind:
+        return TRUTHS
+
+    def active(self, where: Value) -> str:
+        return self.both(self.mask(), self.as_kind(where, TRUTHS).parts[0])
+
     # ---- kinds -----------------------------------------------------------------------------------------------------
 
     def splat(self, part: str, register: str) -> str:

@@ -42,6 +42,7 @@ class Rows:
     """Writes a function for all lanes, with `written` as an emitter has it."""
 
     returns: Kind | None = NOTHING
+    faulty = False
 
     def __init__(self, library: Library) -> None:
         self.library = library

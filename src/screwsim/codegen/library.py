@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol
@@ -27,6 +27,7 @@ class _Written:
     symbol: str
     text: str = ""
     returned: Kind | None = None  # None while it is written
+    faulty: bool = False  # whether it may return `guards.NONE_SUCH`
     calls: dict[_Key, None] = field(default_factory=dict)
     arrays: dict[str, None] = field(default_factory=dict)
     declared: dict[str, None] = field(default_factory=dict)
@@ -42,6 +43,11 @@ class Writer(Protocol):
 
     def written(self, symbol: str) -> str:
         """Return the function's text."""
+        ...
+
+    @property
+    def faulty(self) -> bool:
+        """Whether something in it can fail (`codegen.guards`)."""
         ...
 
 
@@ -91,6 +97,7 @@ class Library:
                 emitter = self.emitter(name, kinds)
                 found.text = emitter.written(found.symbol)
                 found.returned = emitter.returns or NOTHING
+                found.faulty = emitter.faulty
             except CannotCompile:
                 del self._functions[key]
                 raise
@@ -100,6 +107,10 @@ class Library:
         if found.returned is None:
             raise CannotCompile(f"{name} calls itself, which is not compiled")
         return found.symbol, found.returned
+
+    def may_fail(self, name: str, values: Sequence[Value]) -> bool:
+        """Tell whether something in a written function can fail, so that it returns no number."""
+        return self._functions[name, tuple(value.kind for value in values)].faulty
 
     def checked(self, writer: Operations, place: Value, size: str) -> Value:
         """Return an index; with checks, one kept within its array, after code that records a fault where it was not."""

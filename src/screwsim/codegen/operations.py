@@ -272,14 +272,7 @@ class Operations:
         return self.moved(of, at)
 
     def from_start(self, k: Value, length: Value, node: ast.AST) -> Value:
-        """Return an index counted from an array's start, where it may count from its end.
-
-        A variable may be below zero only in a kernel of a user's own; ours are written so that none is.
-        """
-        if k.known is None and self.own:
-            return self.chosen(
-                self.compare(ast.Lt(), k, constant(0), node), self.operation(ast.Add(), k, length, node), k
-            )
+        """Return an index counted from an array's start, where it may count from its end."""
         return self.operation(ast.Add(), length, k, node) if k.known is not None and k.known < 0 else k
 
     def moved(self, of: Value, at: Value) -> tuple[str, Kind]:
@@ -359,7 +352,7 @@ class Operations:
     def _float(self, values: Sequence[Value], node: ast.Call) -> Value:
         return self.as_kind(values[0], self.common("float", (*values, constant(0.0)), node))
 
-    def _same_bits(self, values: Sequence[Value], node: ast.Call) -> Value:
+    def _same_bits(self, values: Sequence[Value], node: ast.AST) -> Value:
         """Return the integer with the bits of a float, or the float with those of an integer."""
         kind = self.common("bits", values, node)
         found, value = SAME_BITS[kind], self.as_kind(values[0], kind)

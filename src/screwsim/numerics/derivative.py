@@ -209,6 +209,8 @@ class Forward:
         return ast.Name(keep, ast.Load())
 
     def _return(self, value: Expression) -> list[ast.stmt]:
+        if isinstance(value, ast.IfExp) and self._partials.returned(value) > 1:
+            return [ast.If(value.test, self._return(value.body), self._return(value.orelse))]
         before: list[ast.stmt] = []
         if isinstance(value, ast.Tuple):
             found = [self._partials.expression(one, before) for one in value.elts]

@@ -217,18 +217,20 @@ class Partials:
         every = [slopes for _, slopes in moving]
         return [(one, each(lambda name, k=k: slope(k, name), *every)) for k, one in enumerate(plain)]
 
-    def returned(self, node: ast.Call) -> int:
-        """Return the number of values that a called kernel returns."""
+    def returned(self, node: Expression) -> int:
+        """Return the number of values that an expression gives: a tuple, a call of a kernel, or a choice of these."""
         return _returned(node, self.known)
 
 
 def _returned(node: Expression | None, known: Mapping[str, Any]) -> int:
+    if isinstance(node, ast.Tuple):
+        return len(node.elts)
+    if isinstance(node, ast.IfExp):
+        return _returned(node.body, known)
     called = known.get(node.func.id) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else None
     if not isinstance(called, Kernel):
         return 1
     returns = [one.value for one in nodes(parsed(called.source)) if isinstance(one, ast.Return)]
-    if returns and isinstance(returns[0], ast.Tuple):
-        return len(returns[0].elts)
     return _returned(returns[0], called.function.__globals__) if returns else 1
 
 
