@@ -193,6 +193,7 @@ def test_what_numpy_does_on_rounding_is_not_the_callers_choice():
         assert np.geterr()["under"] == "raise"
 
 
+@pytest.mark.around
 def test_a_diagnosis_is_the_same_where_the_caller_lets_numpy_raise():
     fault = str(CONFIGS / "calibration" / "fault.fit.yaml")
     with np.errstate(all="raise"):

@@ -143,6 +143,7 @@ def test_files_are_told_below_the_tables(capsys, monkeypatch):
     assert out.endswith("\ndrawn/rotors.png\n")
 
 
+@pytest.mark.around
 def test_figures_page_profiles_and_tables_are_written(written):
     code, document, _, folder = written(B)
     assert code == 0

@@ -124,6 +124,7 @@ def test_the_efficiency_of_a_real_gas_is_the_isentropic_one_and_stderr_says_so(n
     assert command(name, "oiled.yaml", *rest, *asked).err == ""
 
 
+@pytest.mark.around
 def test_a_comparison_writes_all_points_and_a_figure_and_tells_places_as_people_do(studied, command):
     shutil.copy("other.h5", "faster.h5")
     with h5py.File("faster.h5", "r+") as file:

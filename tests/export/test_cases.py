@@ -18,6 +18,8 @@ from screwsim.results.schema import Axis
 from screwsim.scene import load
 from screwsim.study.sweep import run_sweep
 
+pytestmark = pytest.mark.around
+
 POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 DUTIES = "{operation.speed: [1000 rpm, 3000 rpm, 2000 rpm], operation.discharge.pressure: [8 bar, 11.5 bar, 0.5 bar]}"
 POINTS = [f"sweep={{zip: [{DUTIES}]}}"]

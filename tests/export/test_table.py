@@ -20,6 +20,8 @@ from screwsim.scene.write import scene_text
 from screwsim.study import short_names
 from screwsim.study.sweep import run_sweep
 
+pytestmark = pytest.mark.around
+
 POINT = load(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml")
 SPEED, PRESSURE = "operation.speed=2000 rpm..4000 rpm", "operation.discharge.pressure=4 bar..16 bar"
 

@@ -199,6 +199,7 @@ class Interrupted:
         return choosing(one)
 
 
+@pytest.mark.around
 def test_a_worker_that_dies_costs_its_evaluations_only():
     asked = question(scene(), [RATIO], minimize=["shaft_power"])
     found = run_question(asked, simulate=deadly, jobs=2)
@@ -225,6 +226,7 @@ def test_workers_that_have_left_leave_no_thread_beside_which_none_is_forked():
             assert threading.active_count() == before
 
 
+@pytest.mark.around
 def test_a_long_run_keeps_few_bytes_of_an_evaluation_in_memory(monkeypatch, tmp_path):
     monkeypatch.setattr("screwsim.study.shards.BYTES_IN_MEMORY", 100_000)
     monkeypatch.setattr("screwsim.study.shards.MOST_SMALL_PARTS", SMALL_PARTS)
@@ -435,6 +437,7 @@ def test_neighbours_follow_each_other():
     assert order.tolist() == [0, 4, 2, 1, 3]
 
 
+@pytest.mark.around
 def test_the_machine_itself_is_optimised_over_a_season(chilled):
     # three evaluations, to see that simulation, loads and weights go together
     found = optimize(chilled, ["oil_supply.ratio=0.8..1.2"], ["cop"], over="ESEER", evaluations=3, jobs=1)

@@ -70,6 +70,7 @@ def test_a_size_of_a_stage_is_the_next_of_the_catalogue(plant, tmp_path, capsys)
     assert not again.second.title
 
 
+@pytest.mark.around
 def test_what_is_found_is_a_run_of_the_files_written(plant, tmp_path, capsys):
     path, out = plant(intercooler={"kind": "cooler", "outlet_temperature": "310 K"}), tmp_path / "found.stages.yaml"
     vary = f"{SECOND}=900 rpm..1800 rpm"

@@ -217,6 +217,7 @@ def test_a_search_of_two_stages_replaces_no_table_of_ones_own(plant, tmp_path, c
     assert mine.read_text().startswith("name,")
 
 
+@pytest.mark.around
 def test_the_commands_search_two_stages(plant, capsys):
     ranges = ["--vary", "first.operation.speed=2900 rpm..3100 rpm", "--vary", f"{SPEED}=1250 rpm..1350 rpm"]
     words = ["optimize", str(plant()), *ranges, "--minimize", "shaft_power", "--evaluations", "6", "--jobs", "1"]

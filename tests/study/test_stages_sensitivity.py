@@ -82,6 +82,7 @@ def test_the_command_prints_them_and_writes_a_table(plant, tmp_path, capsys):
     assert float(rows["intermediate_pressure", SECOND]) < 0.0 < float(rows["intermediate_pressure", FIRST])
 
 
+@pytest.mark.around
 def test_indices_share_the_variance_between_inputs_of_both_stages(plant):
     """A flow that is 3 x + y over equal widths has the shares 0.9 and 0.1."""
 
@@ -97,6 +98,7 @@ def test_indices_share_the_variance_between_inputs_of_both_stages(plant):
     assert {each.path: each.total for each in shares.indices} == pytest.approx({FIRST: 0.9, SECOND: 0.1}, abs=0.01)
 
 
+@pytest.mark.around
 def test_a_solution_of_both_is_a_sample(plant, capsys):
     words = ["sensitivity", str(plant()), "--path", f"{SECOND}=1250 rpm..1350 rpm", "--samples", "2", "--jobs", "1"]
     assert exit_code([*words, "--json"]) == 0

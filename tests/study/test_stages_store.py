@@ -142,6 +142,7 @@ def test_derivatives_that_a_stage_keeps_are_in_its_group(folder):
     assert "shaft_power" not in second.derivatives
 
 
+@pytest.mark.around
 def test_files_are_compared_by_the_figures_of_both_and_of_each(folder, tmp_path):
     one, sweep = folder / "point.h5", folder / "sweep.h5"
     same = screwsim.compare(one, one)

@@ -48,7 +48,8 @@ def plant(tmp_path):
     return write
 
 
-@pytest.mark.parametrize("between", [pytest.param(None, marks=pytest.mark.around), COOLED])
+@pytest.mark.around
+@pytest.mark.parametrize("between", [None, COOLED])
 def test_standard_uncertainties_are_those_of_whole_solutions_at_other_inputs(plant, between):
     """The change of each figure by an input is that between two solutions one standard uncertainty to either side.
 
@@ -100,6 +101,7 @@ def test_inputs_that_err_together_in_one_scene_add_before_they_are_squared(plant
     assert own["standard"] == pytest.approx(sum(abs(one["change"]) for one in apart["contributors"]) / COVERAGE)
 
 
+@pytest.mark.around
 def test_the_command_prints_it_and_the_file_has_it_for_both_and_for_each(plant, tmp_path, capsys):
     path, out = plant(), tmp_path / "out.h5"
     assert exit_code(["run", str(path), "-o", str(out)]) == 0

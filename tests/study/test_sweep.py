@@ -81,6 +81,7 @@ def test_slow_machines_are_simulated_first(tmp_path):
     assert speeds == sorted(speeds)
 
 
+@pytest.mark.around
 @pytest.mark.parametrize("count", [1, 6])
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_killed_sweep_resumes_where_it_was(jobs, count, reference, tmp_path):

@@ -122,6 +122,7 @@ def test_every_piece_of_physics_is_a_scene_that_can_be(physics):
         screwsim.load(HERE / "machine.yaml", each.changes)
 
 
+@pytest.mark.around
 @pytest.mark.slow
 def test_leaks_that_no_oil_seals_make_the_curve_steeper_and_a_loss_of_the_package_flatter(cagi, physics, sheet):
     low, full = sheet.flow[0], sheet.flow[-1]

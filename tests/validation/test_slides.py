@@ -20,6 +20,7 @@ def test_a_chiller_is_left_out_below_its_least_load():
     assert len(slides.chillers(HERE, 0.25)) < len(slides.chillers(HERE, 0.5)) == 24
 
 
+@pytest.mark.around
 def test_power_falls_with_the_load_by_slide_but_by_less():
     powers = [row.ours for row in slides.slides(HERE)]
     for load, power in zip(slides.LOADS, powers, strict=True):
