@@ -40,8 +40,10 @@ def limit_text(figure: str, value: float, units: Units = METRIC) -> str:
         return units.degrees(value)
     if about.units == "1":
         return figure_text(about, value)
-    text = units.quantity(about.shown or about.units, value)
-    return text if figure.endswith("pressure") else text.replace("psia", "psi")  # a difference of pressures
+    si = about.shown or about.units
+    if about.units == "Pa" and not figure.endswith("pressure"):
+        return units.pressure_difference(value, si)
+    return units.quantity(si, value)
 
 
 def limits_of(subject: Scene | StageChain, texts: Sequence[str]) -> dict[Bound, str]:

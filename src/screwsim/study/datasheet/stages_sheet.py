@@ -245,7 +245,7 @@ def between_line(chain: StageChain, found: Result, units: Units = METRIC) -> Lin
     if between.outlet_temperature is not None:
         words += f" to {units.degrees(between.outlet_temperature)}"
     if between.pressure_drop > 0.0:
-        words += f", pressure drop {units.quantity('Pa', between.pressure_drop).replace('psia', 'psi')}"
+        words += f", pressure drop {units.pressure_difference(between.pressure_drop)}"
     if p is not None:
         T = found.performance.get("intermediate_temperature")
         at = "" if T is None else f" ({units.degrees(T, '.1f')})"

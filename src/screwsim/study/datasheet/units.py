@@ -58,6 +58,10 @@ class Units:
         factor, unit = self.other[si]
         return f"{factor * value:.4g} {unit}"
 
+    def pressure_difference(self, value: float, si: str = "Pa") -> str:
+        """Return a difference of pressures [SI] with its unit, which is not that of absolute ones in every system."""
+        return self.quantity(si, value).replace("psia", "psi")
+
     def temperature(self, T: float) -> float:
         """Return a temperature [K] in °C or °F, without the rounding of 273.15."""
         found = round(T - ZERO_CELSIUS, 6) + 0.0
