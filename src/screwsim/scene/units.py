@@ -97,7 +97,7 @@ _SPELLINGS |= {"**": "^", "·": " ", "*": " "}
 _LIKELY_UNITS: dict[str, dict[str, str]] = {
     "Pa": {
         **dict.fromkeys(("bara", "barabs", "baraabs"), "bar"),
-        **dict.fromkeys(("psia", "psiabs"), "psi"),
+        **dict.fromkeys(("psia", "psiabs", "psid"), "psi"),
         **dict.fromkeys(("kpaa", "kpaabs"), "kPa"),
     },
     "rad/s": {
@@ -107,6 +107,7 @@ _LIKELY_UNITS: dict[str, dict[str, str]] = {
     "K": {"f": "degF", "c": "degC"},
     "m^3": {"ccm": "cm^3"},
     "m^3/s": {"cfm": "ft^3/min", "acfm": "ft^3/min", "lpm": "L/min"},
+    "W": {"hp": "hp"},
     "Pa s": {"Pas": "Pa s", "mPas": "mPa s"},
     "rad": {"º": "deg"},
     "J/(kg K)": {"kJ/kgK": "kJ/(kg K)", "J/kgK": "J/(kg K)"},
@@ -186,15 +187,24 @@ def _odd_number_fault(kind: Kind, text: str, shown: str) -> Refused | None:
 
 def _likely_unit_fault(kind: Kind, number: str, unit: str, shown: str) -> Refused | None:
     """Return the fault of a unit that is spelt otherwise but is unambiguous for this kind; None for any other."""
-    tight = re.sub(r"[\s._()]", "", unit)
-    if kind.name == "viscosity" and tight.lower() in _KINEMATIC:
+    if kind.name == "viscosity" and _tight(unit).lower() in _KINEMATIC:
         return Refused(f"{shown} is a kinematic viscosity (multiply it by the density; write e.g. '{kind.example}')")
-    meant = _LIKELY_UNITS.get(kind.si, {})
+    known = likely_unit(kind, unit)
+    return None if known is None else Refused(f"{shown} is not {describe(kind)} (write '{number} {known}')")
+
+
+def likely_unit(kind: Kind, unit: str) -> str | None:
+    """Return the unit of a kind that is meant by another spelling ('psi' for 'psia'); None where it is not clear."""
+    meant, tight = _LIKELY_UNITS.get(kind.si, {}), _tight(unit)
     known = meant.get(tight) or meant.get(tight.lower())
     if known is None:  # in another case; but m and M are milli and mega
         same = [each for each in _TABLE[kind.si] if each.lower() == unit.lower()]
         known = same[0] if len(same) == 1 and (same[0][0] == unit[0] or unit[0] not in "mM") else None
-    return None if known is None else Refused(f"{shown} is not {describe(kind)} (write '{number} {known}')")
+    return known
+
+
+def _tight(unit: str) -> str:
+    return re.sub(r"[\s._()]", "", unit)
 
 
 def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
