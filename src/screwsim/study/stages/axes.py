@@ -5,6 +5,7 @@ What the chain solves for cannot be varied: the discharge line of the first stag
 
 from __future__ import annotations
 
+import shlex
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -33,6 +34,7 @@ SOLVED = {  # beginnings of paths that the chain replaces by what it finds
     ),
     "second": ("operation.suction.", "operation.evaporating_temperature", "operation.superheat"),
 }
+MOST_MEANT = 4  # paths that are offered for one without a stage
 NOTHING, COOLS, FLASHES = "none", "cooler", "economizer"
 INTERCOOLER_KINDS = {  # what lies between both stages, in words
     NOTHING: "The second stage draws in the gas as the first one delivers it (M201).",
@@ -99,14 +101,40 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
 
 
 def _meant(chain: StageChain, name: str) -> str:
-    """Return an input that may vary and ends in a name without a stage, else the speed of the first stage."""
-    paths = {stage: (name, *paths_ending_in(name, leaves_of(scene))) for stage, scene in chain.by_stage.items()}
-    for part, ends in {BETWEEN: (name,), **paths}.items():
-        for each in (f"{part}.{path}" for path in ends):
-            with suppress(Refused):
-                leaf_in_chain(chain, each)
-                return each
-    return f"{STAGE_NAMES[0]}.operation.speed"
+    """Return the inputs that may vary and end in a name without a stage, else the speed of the first stage."""
+    if name in LEAVES and _may_vary(chain, f"{BETWEEN}.{name}"):
+        return f"{BETWEEN}.{name}"
+    ends = {stage: (name, *paths_ending_in(name, leaves_of(scene))) for stage, scene in chain.by_stage.items()}
+    options = ([f"{stage}.{path}" for path in paths] for stage, paths in ends.items())
+    found = [next((path for path in paths if _may_vary(chain, path)), None) for paths in options]
+    return " or ".join(path for path in found if path) or f"{STAGE_NAMES[0]}.operation.speed"
+
+
+def _may_vary(chain: StageChain, name: str) -> bool:
+    with suppress(Refused):
+        leaf_in_chain(chain, name)
+        return True
+    return False
+
+
+def override_meant(chain: StageChain | None, override: str) -> str:
+    """Return what to write instead of an override PATH=VALUE without a stage: of one stage, of either, or of both.
+
+    Without a chain, whose scenes have faults, no path is known.
+    """
+    name, equals, value = override.partition("=")
+    found = []
+    for stage, scene in ({} if chain is None else chain.by_stage).items():
+        known = [*leaves_of(scene), *(f"effects.{effect}" for effect in scene.effects)]
+        paths = [name] if name in known else paths_ending_in(name, known)
+        found += [f"{stage}.{path}" for path in paths if not path.startswith(SOLVED[stage])]
+    if not 0 < len(found) <= MOST_MEANT:
+        return f"write the whole path, e.g. --set '{STAGE_NAMES[0]}.operation.speed=3000 rpm'"
+    options = [f"--set {shlex.quote(f'{path}{equals}{value}')}" for path in found]
+    own = {path.partition(".")[2] for path in found}
+    if all(path.startswith(COMMON) for path in own):
+        return f"write {' '.join(options)}"
+    return f"write {' or '.join(options)}{', or both' if len(own) < len(found) else ''}"
 
 
 def _leaf_between(chain: StageChain, key: str) -> Leaf:
