@@ -364,6 +364,10 @@ def test_overrides_go_to_their_stage(chain):
     assert changed.first.oil_supply.ratio == 2
     with pytest.raises(UsageError, match=r"starts with neither first\. nor second\."):
         read_stages(chain(), ["operation.speed=1500 rpm"])
+    with pytest.raises(
+        UsageError, match=r"two stages have one sweep \(write sweep: {first\.PATH: \[…\]} in the two-stage"
+    ):
+        read_stages(chain(), ["first.sweep.operation.speed=[1500 rpm, 2000 rpm]"])
     for path in ("intercooler.kind=none", "pressure_drop=1 bar", "stages=[]", "title=x"):
         with pytest.raises(UsageError, match=r"belongs to the two-stage file \(write it there\)"):
             read_stages(chain(), [path])

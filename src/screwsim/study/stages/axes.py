@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import paths_ending_in
+from screwsim.outputs import STAGES
 from screwsim.scene.fields import Leaf, leaves_of, section_of, unknown_key
 from screwsim.scene.grid import leaf_of
 from screwsim.scene.operation import line_axis_faults
@@ -85,6 +86,8 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
         raise Refused(f"names a stage, not an input of it (write e.g. {stage}.operation.speed)")
     if (path if stage in STAGE_NAMES else name).startswith(COMMON):
         raise Refused("is the same in both stages (vary it by two files, or with --set in both)")
+    if stage not in STAGE_NAMES and name in STAGES:
+        raise Refused(f"is a figure, which follows from the inputs (vary e.g. {_meant(chain, 'operation.speed')})")
     if stage not in STAGE_NAMES:
         raise Refused(f"starts with none of first., second., {BETWEEN}. (write e.g. {_meant(chain, name)})")
     if path.startswith(SOLVED[stage]):
@@ -101,13 +104,20 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
 
 
 def _meant(chain: StageChain, name: str) -> str:
-    """Return the inputs that may vary and end in a name without a stage, else the speed of the first stage."""
-    if name in LEAVES and _may_vary(chain, f"{BETWEEN}.{name}"):
-        return f"{BETWEEN}.{name}"
-    ends = {stage: (name, *paths_ending_in(name, leaves_of(scene))) for stage, scene in chain.by_stage.items()}
-    options = ([f"{stage}.{path}" for path in paths] for stage, paths in ends.items())
-    found = [next((path for path in paths if _may_vary(chain, path)), None) for paths in options]
-    return " or ".join(path for path in found if path) or f"{STAGE_NAMES[0]}.operation.speed"
+    """Return the inputs that may vary and end in a name without a stage, else the speed of the first stage.
+
+    The name may have another word for a stage before it, as that of a file.
+    """
+    names = (name, name.partition(".")[2])
+    for each in filter(None, names):
+        if each in LEAVES and _may_vary(chain, f"{BETWEEN}.{each}"):
+            return f"{BETWEEN}.{each}"
+        ends = {stage: (each, *paths_ending_in(each, leaves_of(scene))) for stage, scene in chain.by_stage.items()}
+        options = ([f"{stage}.{path}" for path in paths] for stage, paths in ends.items())
+        found = [next((path for path in paths if _may_vary(chain, path)), None) for paths in options]
+        if any(found):
+            return " or ".join(path for path in found if path)
+    return f"{STAGE_NAMES[0]}.operation.speed"
 
 
 def _may_vary(chain: StageChain, name: str) -> bool:

@@ -204,6 +204,9 @@ def _overrides_by_stage(root: Node, overrides: Iterable[str]) -> dict[str, list[
         if head not in found or not rest:
             what = "starts with neither first. nor second., which name the stage"
             raise UsageError(f"--set {override}: {what} ({override_meant(_unchanged(root), override)})")
+        if rest.startswith(("sweep.", "sweep=")):
+            what = "is left aside, as two stages have one sweep"
+            raise UsageError(f"--set {override}: {what} (write sweep: {{{head}.PATH: […]}} in the two-stage file)")
         found[head].append(rest)
     return found
 
