@@ -9,9 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.build import build_parts
 from screwsim.export.polynomials import Polynomials, check_conditions, document, polynomials
-from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
+from screwsim.fluid.gas import Gas
+from screwsim.fluid.models import condenses
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import in_celsius
 from screwsim.results import Results
@@ -48,7 +50,7 @@ _NEEDED = (
 def check_scene(scene: Varied) -> None:
     """Raise UsageError for a sweep that is no machine of TESPy's, as its scene tells before it is simulated.
 
-    An ideal gas is compared by the density of the suction gas alone; the results tell the rest.
+    Of a gas that is not the real fluid the density in the suction line is compared; the results tell the rest.
     """
     if not isinstance(scene, Scene):
         raise UsageError(f"two stages: {ONE_MACHINE}")
@@ -57,16 +59,17 @@ def check_scene(scene: Varied) -> None:
     for joint in joints_of(scene):
         if SPEED in joint.paths and set(temperature_paths(False)) & set(joint.paths):
             raise UsageError(_ONE_VALUE.format(SPEED))
-    if scene.gas.model == "ideal":
-        ratios = [_ideal_density_ratio(case(scene, index)) for index in range(case_count(scene))]
-        _refuse_off("gas.model", {"flow": min(ratios)})
+    if not condenses(scene.gas):
+        gas = build_parts(scene).gas
+        ratios = [_density_ratio(gas, case(scene, index)) for index in range(case_count(scene))]
+        _refuse_off("gas.model", {"flow": max(ratios, key=lambda ratio: abs(ratio - 1.0))})
 
 
-def _ideal_density_ratio(scene: Scene) -> float:
-    """Return the density of an ideal suction gas over the real one's, which is denser."""
-    p, T, fluid = lines(scene).p_s, lines(scene).T_s, scene.gas.name
+def _density_ratio(gas: Gas, scene: Scene) -> float:
+    """Return the density of a gas in the suction line over that of the real fluid."""
+    p, T = lines(scene).p_s, lines(scene).T_s
     second = ("T", T) if scene.operation.superheat else ("Q", 1)
-    return p / (constants.gas_constant(fluid) * T) / _property("D", "P", p, *second, fluid)
+    return gas.density(p, T) / _property("D", "P", p, *second, scene.gas.name)
 
 
 def _refuse_blend(fluid: str, refused: bool) -> None:
