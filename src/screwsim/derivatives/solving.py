@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.build import Temperatures, open_temperatures, with_temperatures
-from screwsim.build.open_values import has_open_values
+from screwsim.build.open_values import at_an_end, with_coordinates
 from screwsim.codegen.program import CannotCompile
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import BuiltParts, Problem, Series, problem_of, release_series, series_of_one
@@ -42,7 +42,7 @@ LARGEST_RESIDUAL = 1e-5  # [K, kPa], largest admissible residual of the surround
 MOST_STEPS = 3  # ... unless so many Newton steps were made
 ONE_CHAMBER = "chambers are integrated one at a time, with valve and seat events of their own"
 DRIVEN = "the speed follows from the drive"
-OPEN_VALUES = "the oil flow, an economizer or a valve is found with the cycle"
+AT_END = "what is found with the cycle (the oil flow, an economizer, a valve) is at an end of its range"
 
 
 class SideReadings(NamedTuple):
@@ -133,9 +133,9 @@ def _newton_step(cycle: CollocatedCycle, series: Series, rows: Sequence[int]) ->
 
 
 def _implied_changes(of: Evaluation) -> Array:
-    """Return the changes of its surroundings [K, kPa] that a cycle implies, of all four unknowns that may be open."""
+    """Return the changes of its surroundings [K, kPa] that a cycle implies, in the order of `unknowns_of`."""
     asked = implied_surroundings(of)
-    return np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4)
+    return np.zeros(len(unknowns_of(of.problem))) if asked is None else asked.off
 
 
 def _with_response(own: SideReadings, through: Sequence[SideReadings], rows: Sequence[int]) -> dict[str, float]:
@@ -151,7 +151,7 @@ def _with_response(own: SideReadings, through: Sequence[SideReadings], rows: Seq
 
 def _readings_of(of: Evaluation, whole: bool) -> SideReadings:
     """Return the results of an evaluation; with `whole` also what it implies for its surroundings."""
-    return SideReadings(figures_of(of), _implied_changes(of) if whole else np.zeros(4))
+    return SideReadings(figures_of(of), _implied_changes(of) if whole else np.empty(0))
 
 
 def _shift_size(value: float) -> float:
@@ -165,9 +165,9 @@ def _shifted(problem: Problem, series: Series, path: str, value: float) -> Calla
 
 
 def _open_unknowns(problem: Problem) -> list[int]:
-    """Return the indices of the circuit's open unknowns: temperatures of supply and separator, lost pressures."""
-    temperatures = [i for i, each in enumerate(open_temperatures(problem.scene)) if each]
-    return [*temperatures, *((2, 3) if problem.scene.losses is not None else ())]
+    """Return the indices, in `unknowns_of`, of those that are open: all but temperatures that the scene states."""
+    stated = [i for i, each in enumerate(open_temperatures(problem.scene)) if not each]
+    return [i for i in range(len(unknowns_of(problem))) if i not in stated]
 
 
 def _with_surroundings_shifted(problem: Problem, series: Series, i: int) -> Callable[[float], Problem]:
@@ -182,13 +182,14 @@ def _with_surroundings_shifted(problem: Problem, series: Series, i: int) -> Call
 
 
 def _problem_at(problem: Problem, series: Series, x: Array) -> Problem:
-    """Return the problem with the circuit's unknowns at x [K, kPa]."""
-    scene = problem.scene
+    """Return the problem with the unknowns around its machine at x [K, kPa]."""
+    scene, others = problem.scene, x[2:].tolist()
     if any(open_temperatures(scene)):
         scene = with_temperatures(scene, Temperatures(*x[:2].tolist()))
-    if len(x) > 2:
-        scene = replace(scene, losses=PressureLosses(*(KPA * x[2:]).tolist()))
-    return problem_of(scene, series)
+    if scene.losses is not None:
+        (before, behind), others = others[:2], others[2:]
+        scene = replace(scene, losses=PressureLosses(KPA * before, KPA * behind))
+    return problem_of(with_coordinates(scene, others), series)
 
 
 class SceneDerivatives(NamedTuple):
@@ -238,8 +239,8 @@ def _refused(problem: Problem) -> str:
     """Return why this method cannot give a problem's derivatives; empty where it can."""
     if problem.parts.shaft is not None:
         return DRIVEN
-    if has_open_values(problem.scene):
-        return OPEN_VALUES
+    if at_an_end(problem.scene):
+        return AT_END
     return ONE_CHAMBER if problem.composition.chambers == 1 else ""
 
 
