@@ -235,7 +235,7 @@ def test_two_stages_without_a_sweep_are_told_how_to_write_one(plant, capsys):
         ("second.operation.suction.temperature", "belongs to the suction line, which follows from the other stage"),
         ("second.gas.fluid", "is the same in both stages"),
         ("gas.fluid", "is the same in both stages (vary it by two files, or with --set in both)"),
-        ("first", "names a stage, not an input of it (write e.g. first.operation.speed or sec"),
+        ("first", "names a stage, not an input of it (write e.g. first.operation.speed)"),
         ("second.effects.oil_heat", "is a section, not a value (write e.g. second.effects.oil_heat."),
         ("intercooler.outlet_temperature", "is not stated (it belongs to kind: cooler; write it first)"),
         ("intercooler.kind", "is not known"),
@@ -255,7 +255,7 @@ def test_a_path_offered_for_one_without_a_stage_may_vary(plant):
     for name in names | {"operation.discharge.pressure", "x", "first speed"}:
         with pytest.raises(UsageError) as refused:
             chain.leaf_of(name)
-        offered.add(re.search(r"\(write e\.g\. (.*)\)$", str(refused.value))[1])
+        offered |= {*re.search(r"\(write e\.g\. (.*)\)$", str(refused.value))[1].split(" or ")}
     assert {"first.operation.speed", "second.operation.discharge.pressure"} < offered
     for path in offered:
         chain.leaf_of(path)

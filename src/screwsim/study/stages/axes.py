@@ -86,10 +86,11 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
         raise Refused(f"names a stage, not an input of it (write e.g. {stage}.operation.speed)")
     if (path if stage in STAGE_NAMES else name).startswith(COMMON):
         raise Refused("is the same in both stages (vary it by two files, or with --set in both)")
-    if stage not in STAGE_NAMES and name in STAGES:
-        raise Refused(f"is a figure, which follows from the inputs (vary e.g. {_meant(chain, 'operation.speed')})")
     if stage not in STAGE_NAMES:
-        raise Refused(f"starts with none of first., second., {BETWEEN}. (write e.g. {_meant(chain, name)})")
+        meant, usual = _meant(chain, name), f"{STAGE_NAMES[0]}.operation.speed"
+        if name in STAGES and not meant:
+            raise Refused(f"is a figure, which follows from the inputs (vary e.g. {usual})")
+        raise Refused(f"starts with none of first., second., {BETWEEN}. (write e.g. {meant or usual})")
     if path.startswith(SOLVED[stage]):
         line = "discharge line" if stage == STAGE_NAMES[0] else "suction line"
         raise Refused(f"belongs to the {line}, which follows from the other stage (leave it out)")
@@ -104,7 +105,7 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
 
 
 def _meant(chain: StageChain, name: str) -> str:
-    """Return the inputs that may vary and end in a name without a stage, else the speed of the first stage.
+    """Return the inputs that may vary and end in a name without a stage; empty where there is none.
 
     The name may have another word for a stage before it, as that of a file.
     """
@@ -117,7 +118,7 @@ def _meant(chain: StageChain, name: str) -> str:
         found = [next((path for path in paths if _may_vary(chain, path)), None) for paths in options]
         if any(found):
             return " or ".join(path for path in found if path)
-    return f"{STAGE_NAMES[0]}.operation.speed"
+    return ""
 
 
 def _may_vary(chain: StageChain, name: str) -> bool:
