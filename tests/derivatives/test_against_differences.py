@@ -13,8 +13,10 @@ import screwsim
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.derivatives import solving
+from screwsim.derivatives.around import implied_changes
 from screwsim.derivatives.collocation import FINE
 from screwsim.derivatives.directions import Directions
+from screwsim.derivatives.response import unshifted_evaluation
 from screwsim.derivatives.solving import SceneDerivatives, figures_of
 from screwsim.scene import scene_text, with_values
 from screwsim.scene.fields import value_at
@@ -147,7 +149,7 @@ def test_derivatives_stand_where_the_oils_circuit_closes():
 
 
 def asked_of_surroundings(cycle):
-    return np.abs(solving._implied_changes(solving.unshifted_evaluation(cycle, Directions(cycle)))).max()
+    return np.abs(implied_changes(unshifted_evaluation(cycle, Directions(cycle)))).max()
 
 
 def test_differences_that_stand_in_go_over_no_more_of_an_angle_than_where_figures_are_straight(monkeypatch):
