@@ -1,6 +1,5 @@
 """Derivatives against differences of tightly closed cycles: ideal and real gas, either closing, each kind of way."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -243,13 +242,3 @@ def test_both_closings_agree_on_how_the_highest_pressure_follows_a_port():
     found = [sensitivities(scene, [path]).relative(figure, path) for scene in ways]
     slope = differenced(ways[0], path, figure, 8e-5, 1e-8)
     assert found == pytest.approx([slope, slope], rel=PEAKED)
-
-
-def test_a_scene_whose_speed_follows_from_a_drive_is_differenced_and_says_so():
-    scene = screwsim.load(CONFIGS / "drive" / "point.yaml")
-    scene = replace(scene, sweep={})
-    path = "effects.tip_leakage.gap"
-    found = sensitivities(scene, [path], ["gas_mass_flow"])
-    assert found.method == {path: "differences"}
-    assert "drive" in found.why[path]
-    assert found.derivatives["gas_mass_flow"][path] < 0.0  # what leaks is not delivered
