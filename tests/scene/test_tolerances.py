@@ -114,6 +114,7 @@ def test_a_scene_without_tolerances_is_written_as_before():
         ("operation.suction.temperature=279 K ×/÷ 2", "a factor is only for quantities that are positive by nature"),
         ("machine.male_lobes=4 ± 1", "is not written as a whole number"),
         ("numerics.accuracy=3e-4 ± 10 %", "which only values that describe the machine and its operation may have"),
+        ("operation.ambient_pressure=1 bar ± 1 %", "gauge pressures were read relative to it (write theirs instead)"),
         ("sweep.operation.speed=[900 rpm ± 2 rpm]", "has a tolerance of its own (write it after the value of"),
         (TOGETHER, f"'{GAP}' has no tolerance in this scene"),
         ("uncertainty.correlated=[[gap, [1]]]", "a list is not a path"),

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.suggestions import did_you_mean
-from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, leaves_of, value_at
+from screwsim.scene.fields import FIXED, Leaf, effect_keys, leaf_paths, leaves_of, value_at
 from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import COVERAGE, Scene, Tolerance
 from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
@@ -94,6 +94,8 @@ def read_tolerances(
                 raise Refused("has a tolerance, which only quantities and numbers may have (write the value alone)")
             if path.startswith(CERTAIN_SECTIONS):
                 raise Refused("has a tolerance, which only values that describe the machine and its operation may have")
+            if path in FIXED:
+                raise Refused("has a tolerance, but gauge pressures were read relative to it (write theirs instead)")
             value = float(value_at(scene, path))
             tolerance = _tolerance(leaf, each, value)
             _check_ends(leaf, tolerance, value, "its")
