@@ -32,16 +32,16 @@ parameters:
 starts: 1
 accuracy: 1e-6
 """
-HEAD = "operation.speed [rpm],gas_mass_flow [kg/s],gas_mass_flow_uncertainty [kg/s],shaft_power [W],shaft_power_uncertainty [W]"
+FLOW, POWER = "gas_mass_flow [kg/s],gas_mass_flow_uncertainty [kg/s]", "shaft_power [W],shaft_power_uncertainty [W]"
 
 
 @pytest.fixture(scope="module")
 def fit_file(tmp_path_factory, request):
-    """A fit of a machine to what it computes itself, with tolerances of three other inputs, two of which err together."""
+    """A fit of a machine to what it computes itself; three other inputs have tolerances, two of which err together."""
     folder = tmp_path_factory.mktemp("fit")
     text = SCENE.format(base=request.config.rootpath / "configs/slider_crank/air.yaml")
     (folder / "machine.yaml").write_text(text, encoding="utf-8")
-    rows = [HEAD]
+    rows = [f"operation.speed [rpm],{FLOW},{POWER}"]
     for rpm in (500, 720, 900):
         found = simulate(load(folder / "machine.yaml").with_({"operation.speed": f"{rpm} rpm"})).performance
         flow, power = found["gas_mass_flow"], found["shaft_power"]

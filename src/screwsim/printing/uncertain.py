@@ -48,7 +48,7 @@ def print_uncertainty(result: Result) -> None:
         spread = found.get(name, {"expanded": 0.0, "contributors": ()})
         if spread["expanded"] > NEGLIGIBLE * abs(result.performance[name]) or name in by_model:
             rows.append([shown_name(name), *_uncertainty_row(result, name, spread["expanded"], model)])
-            causes.append(_causes(spread["contributors"]))
+            causes.append(contributors_text(spread["contributors"]))
     say()
     if rows:
         heads = ["uncertain by", "value", "unit", "numerical", "inputs", "model"]
@@ -68,7 +68,7 @@ def print_uncertainty(result: Result) -> None:
     print_wrapped(model_lines(model))
 
 
-def _causes(contributors: Sequence[Mapping[str, Any]]) -> str:
+def contributors_text(contributors: Sequence[Mapping[str, Any]]) -> str:
     """Return the inputs that contribute most to a figure's uncertainty, with their shares of its variance."""
     some = [each for each in contributors[:MOST_CONTRIBUTORS] if each["share"] >= LEAST_SHARE]
     paths = (" + ".join(path.replace("effects.", "", 1) for path in each["paths"]) for each in some)

@@ -55,6 +55,11 @@ class FigureUncertainty:
         """Half of the 95 % interval [SI]."""
         return COVERAGE * self.standard
 
+    def as_json(self, most: int | None = None) -> dict[str, Any]:
+        """Return it as documents have it, with all or the `most` largest contributors."""
+        contributors = [one._asdict() | {"paths": list(one.paths)} for one in self.contributors[:most]]
+        return {"standard": self.standard, "expanded": self.expanded, "contributors": contributors}
+
 
 class FigureSample(NamedTuple):
     """A sample of one figure: mean, standard deviation; what is wrong with the linear estimate, '' for nothing."""
@@ -89,14 +94,7 @@ class Uncertainty(Brief):
 
     def as_json(self, most: int | None = None) -> dict[str, Any]:
         """Return what `run --json` prints under `uncertainty`, with all or the `most` largest contributors."""
-        figures = {
-            name: {
-                "standard": spread.standard,
-                "expanded": spread.expanded,
-                "contributors": [one._asdict() | {"paths": list(one.paths)} for one in spread.contributors[:most]],
-            }
-            for name, spread in self.spreads.items()
-        }
+        figures = {name: spread.as_json(most) for name, spread in self.spreads.items()}
         return {
             "coverage_factor": COVERAGE,
             "groups": [list(group) for group in self.groups],

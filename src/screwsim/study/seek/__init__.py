@@ -18,6 +18,7 @@ from screwsim.study.parallel import WarmSimulation, parallel_map
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.answer import GoalSeekAnswer, answer_of_trials, next_size, read_catalogue
+from screwsim.study.seek.by_inputs import uncertainties_by_inputs
 from screwsim.study.seek.trials import ReportedSimulation, Trial, Trials
 from screwsim.study.spans import Span, read_spans
 from screwsim.study.stages import scene_or_stages
@@ -153,7 +154,15 @@ def _answer_at_point(rest: Varied, asked: Question, simulate: Simulate | None, n
     if met is not None:
         values = rounded(trials.scene, found.values)
         found = replace(found, values=values, scene=with_text(with_values(trials.scene, values)))
+        found = _with_uncertainties_by_inputs(found, [goal.figure for goal in asked.goals])
     return _with_catalogue_size(trials, found, met, asked) if asked.sizes and found.status != "failed" else found
+
+
+def _with_uncertainties_by_inputs(found: GoalSeekAnswer, figures: Sequence[str]) -> GoalSeekAnswer:
+    """Return an answer with the uncertainties of its values by the tolerances of other inputs."""
+    assert found.scene is not None
+    spreads, why = uncertainties_by_inputs(found.scene, found.result, found.values, figures)
+    return replace(found, by_inputs=spreads, message="; ".join(filter(None, (found.message, why))))
 
 
 def _with_catalogue_size(trials: Trials, found: GoalSeekAnswer, met: Trial | None, asked: Question) -> GoalSeekAnswer:
