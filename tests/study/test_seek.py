@@ -11,7 +11,7 @@ from seek_fakes import RPM, edged, figures_of, leaping, saturating, torn, turnin
 import screwsim
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import loads, value_at, with_values
-from screwsim.study.goals import read_figure
+from screwsim.study.goals import read_bounds, read_figure, read_goals
 from screwsim.study.scene_files import write_found
 from screwsim.study.seek import find, find_each, question
 from screwsim.template import new_scene, request_of
@@ -236,6 +236,15 @@ def test_a_wrong_question_is_refused_in_one_line(vary, goals, message):
 )
 def test_a_goal_has_any_unit_of_the_dimension_of_its_figure(figure, stated, value):
     assert read_figure(figure, stated, "--for") == pytest.approx(value, rel=1e-12)
+
+
+def test_a_goal_and_a_bound_of_a_gauge_are_over_the_scenes_ambient_pressure():
+    high = with_values(scene(), {"operation.ambient_pressure": 0.9e5})
+    (goal,) = read_goals(high, ["peak_pressure=7 bar(g)"])
+    (bound,) = read_bounds(high, ["peak_pressure<7 barg"])
+    assert goal.value == bound.value == pytest.approx(7.9e5, rel=1e-12)
+    (named,) = question(high, [RANGE], {"peak_pressure": "7 barg"}).goals
+    assert named == goal
 
 
 @pytest.mark.parametrize("overrides", [[], ["oil_supply.ratio=2", "effects.interlobe_leakage=off"]])

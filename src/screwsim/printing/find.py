@@ -143,7 +143,7 @@ def _value(scene: Varied, asked: Question, path: str, row: GoalSeekAnswer) -> st
 
 def _by_inputs(scene: Varied, path: str, row: GoalSeekAnswer) -> Iterator[str]:
     """Yield the uncertainty of a value by the tolerances of other inputs, and those that contribute most."""
-    if path in row.by_inputs:
+    if path in row.by_inputs and row.by_inputs[path].standard:
         spread = row.by_inputs[path].as_json()
         most = contributors_text(spread["contributors"])
         yield f"  by the inputs' tolerances ± {_difference_text(scene, path, spread['expanded'], 2)} (95 %): {most}"

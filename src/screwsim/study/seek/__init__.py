@@ -10,8 +10,9 @@ from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, SceneLike, case_count, case_values
 from screwsim.scene.grid import with_sweep_over
+from screwsim.scene.units import gauge_pressures_over
 from screwsim.study.figures import figure_of
-from screwsim.study.goals import Goal, read_figure, read_goals
+from screwsim.study.goals import Goal, of_ambient, read_figure, read_goals
 from screwsim.study.inputs import check_fit, read_text, shown_value
 from screwsim.study.optimum import Simulate, simulator
 from screwsim.study.parallel import WarmSimulation, parallel_map
@@ -76,7 +77,8 @@ def _goals(scene: Varied, goals: GoalsArgument) -> tuple[Goal, ...]:
     if not isinstance(goals, Mapping) or not goals:
         return read_goals(scene, as_list(goals) if goals else ())
     named = {figure_of(scene, name, "goal"): value for name, value in goals.items()}
-    return tuple(Goal(figure, _wanted(figure, value)) for figure, value in named.items())
+    with gauge_pressures_over(of_ambient(scene)):
+        return tuple(Goal(figure, _wanted(figure, value)) for figure, value in named.items())
 
 
 def _wanted(figure: str, value: Any) -> float:
