@@ -161,6 +161,18 @@ def parse_quantity(kind: Kind, text: str) -> float:
     return value
 
 
+def is_gauge(text: str) -> bool:
+    """Tell whether a quantity such as '7 bar(g)' is written as a gauge pressure."""
+    match = _QUANTITY.fullmatch(text)
+    return match is not None and _GAUGE.fullmatch(match[2] or "") is not None
+
+
+def without_gauge(unit: str) -> str:
+    """Return the unit of differences of gauge pressures, bar for bar(g); any other unit as it is."""
+    match = _GAUGE.fullmatch(unit)
+    return match[1] if match else unit
+
+
 def _from_gauge(kind: Kind, number: float, unit: str, text: str) -> Gauge | None:
     """Return the absolute pressure [Pa] of a gauge pressure; None for any other, or where gauge pressure is refused."""
     found, ambient = _GAUGE.fullmatch(unit), _ambient.get()

@@ -34,6 +34,10 @@ from screwsim.study.varied import Varied
 DIFFERENCE_STEP = 5e-3  # relative step of a number for differences of closed cycles ...
 # ... at most, for an angle: half a percent of a port's opening angle is three degrees ...
 LARGEST_ANGLE_STEP = math.radians(0.5)
+# ... [K] that of a temperature, half a percent of which is 1.5 K, and of a difference of two, which may be small ...
+TEMPERATURE_STEP = 0.25
+# ... [SI] that of a number that is zero, by its kind, DIFFERENCE_STEP for others ...
+ZERO_STEPS = {"length": 1e-4, "area": 1e-6, "volume": 1e-6, "pressure_difference": 100.0, "power": 1.0}
 DIFFERENCE_ACCURACY = 1e-6  # ... accuracy of these cycles, unless the scene's is finer
 EXCLUDED_SECTIONS = ("numerics.", "output.")  # sections whose numbers do not describe the machine
 GAUGE_REMEDY = "gauge pressures were read relative to it"
@@ -223,7 +227,8 @@ def _differences(
 
 def _shifts(leaf: Leaf, value: float) -> tuple[float, float]:
     """Return the steps by which a number is shifted up and down, within the limits of its leaf."""
-    step = DIFFERENCE_STEP * abs(value) or DIFFERENCE_STEP
+    step = DIFFERENCE_STEP * abs(value) or ZERO_STEPS.get(leaf.kind, DIFFERENCE_STEP)
+    step = TEMPERATURE_STEP if leaf.kind in ("temperature", "temperature_difference") else step
     step = min(step, LARGEST_ANGLE_STEP) if leaf.kind == "angle" else step
     most = leaf.limits.get("le", leaf.limits.get("lt"))
     least = leaf.limits.get("ge", leaf.limits.get("gt"))
