@@ -333,7 +333,7 @@ def test_oil_that_comes_back_warmer_than_the_separator_asks_for_heating():
     result = run({**CARRIED, "oil_supply.temperature": "420 K"})
     assert result.status == "ok" and result.performance.oil_cooler_duty < 0.0
     (told,) = (told for told in result.warnings if "its cooler would have to heat it by " in told)
-    assert "oil_supply.temperature" in told and "effects.separator.cooler.outlet_temperature" in told  # either states it
+    assert "oil_supply.temperature" in told and "effects.separator.cooler.outlet_temperature" in told
 
 
 def test_a_thermostat_that_would_have_to_heat_is_idle():

@@ -249,7 +249,7 @@ def warnings(found) -> Iterator[str]:
     duty, power = found.get(DUTY), found.get("shaft_power")
     if duty is not None and duty < -HEATS * abs(power or 0.0):
         T, supply = found["separator_temperature"], found["oil_supply_temperature"]
-        heats, remedy = f"would have to heat it by {-1e-3 * duty:.4g} kW", f"lower {SUPPLY}, or {OUTLET} where that is stated"
+        heats, remedy = f"would have to heat it by {-1e-3 * duty:.4g} kW", f"lower {SUPPLY} or {OUTLET}"
         if LOAD in found:  # a cooler of a stated size
             heats, remedy = f"heats it by {-1e-3 * duty:.4g} kW", "choose a colder coolant"
         yield (

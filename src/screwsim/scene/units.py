@@ -205,7 +205,7 @@ def _likely_unit_fault(kind: Kind, number: str, unit: str, shown: str) -> Refuse
 
 
 def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
-    """Refuse ambiguous units: Hz, MBtu/h, or degrees Celsius for a difference; and gauge pressures where none are allowed."""
+    """Refuse ambiguous units: Hz, MBtu/h, degrees Celsius for a difference; and gauge pressures where not allowed."""
     if kind.si == "Pa" and _GAUGE.fullmatch(unit):
         if kind.name == "pressure_difference":
             raise Refused(f"{shown} is a gauge pressure, not a difference (write e.g. '{kind.example}')")
