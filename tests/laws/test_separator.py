@@ -333,7 +333,8 @@ def test_what_contradicts_itself_is_one_fault_at_the_front(case):
 def test_oil_that_comes_back_warmer_than_the_separator_asks_for_heating():
     result = run({**CARRIED, "oil_supply.temperature": "420 K"})
     assert result.status == "ok" and result.performance.oil_cooler_duty < 0.0
-    assert [told for told in result.warnings if "its cooler would have to heat it by " in told]
+    (told,) = (told for told in result.warnings if "its cooler would have to heat it by " in told)
+    assert "oil_supply.temperature" in told and "effects.separator.cooler.outlet_temperature" in told
 
 
 def test_a_thermostat_that_would_have_to_heat_is_idle():

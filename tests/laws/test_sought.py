@@ -167,6 +167,14 @@ def test_both_are_found_together():
     assert both.performance.economizer_draw_ratio == pytest.approx(1.0, abs=ACCURACY)
 
 
+def test_a_search_goes_back_from_a_state_without_net_flow_where_nothing_is_implied():
+    """A slow machine: a port as warm as its range ends fills the chambers, and all that was sucked in flows back."""
+    new = loads(new_scene("refrigeration", request_of(condition="2/42 degC", economizer=True)))
+    found = simulate(new.with_({"operation.speed": "300 rpm"}))
+    assert found.status == "ok" and found.performance.gas_mass_flow > 0.0
+    assert found.performance.economizer_draw_ratio == pytest.approx(1.0, abs=ACCURACY)
+
+
 def test_oil_that_cannot_keep_the_temperature_is_warned_of():
     hot = run({**OIL, "oil_supply.discharge_temperature": "600 K"})
     told = [

@@ -105,6 +105,14 @@ def test_other_units_are_read_with_pint(kind, text, value):
         ),
         ("displacement", "350 CFM", "'350 CFM' is not a displacement (write '350 ft^3/min')"),
         ("speed", "3000 U/min", "'3000 U/min' is not a speed (write '3000 rpm')"),
+        ("power", "200 HP", "'200 HP' is not a power (write '200 hp')"),
+        ("power", "100 tons", "'100 tons' is not a power (write '100 refrigeration_ton')"),
+        (
+            "power",
+            "1200 MBtu/h",
+            "'1200 MBtu/h' is ambiguous: a thousand or a million Btu (write kBtu/h or kW, e.g. '75 kW')",
+        ),
+        ("power", "1200 MBH", "'1200 MBH' is not a power (write '1200 kBtu/h')"),
         ("pressure", "2 Bar", "'2 Bar' is not a pressure (write '2 bar')"),
         ("pressure", "2 bar(a)", "'2 bar(a)' is not a pressure (write '2 bar')"),
         ("pressure", "2 mpa", "'2 mpa' is not a pressure (write e.g. '2 bar')"),  # mPa or MPa

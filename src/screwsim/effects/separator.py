@@ -33,6 +33,7 @@ from screwsim.outputs.customary import ZERO_CELSIUS, in_celsius
 
 NAME = "separator"
 SUPPLY, SIZE = "oil_supply.temperature", "effects.separator.cooler.conductance"
+OUTLET = "effects.separator.cooler.outlet_temperature"
 HEATS = 1e-3  # heat from the cooler into the oil, over shaft power, above which is warned
 MEASURED, DUTY, LOAD = "mixture_discharge_temperature", "oil_cooler_duty", "oil_cooler_load"
 KEPT = "outlet_temperature", "duty", "discharge_temperature"  # what a cooler may keep, one of them
@@ -261,7 +262,7 @@ def warnings(found) -> Iterator[str]:
     duty, power = found.get(DUTY), found.get("shaft_power")
     if duty is not None and duty < -HEATS * abs(power or 0.0):
         T, supply = found["separator_temperature"], found["oil_supply_temperature"]
-        heats, remedy = f"would have to heat it by {-1e-3 * duty:.4g} kW", f"lower {SUPPLY}"
+        heats, remedy = f"would have to heat it by {-1e-3 * duty:.4g} kW", f"lower {SUPPLY} or {OUTLET}"
         if LOAD in found:  # a cooler of a stated size
             heats, remedy = f"heats it by {-1e-3 * duty:.4g} kW", "choose a colder coolant"
         yield (

@@ -107,8 +107,14 @@ _LIKELY_UNITS: dict[str, dict[str, str]] = {
     "K": {"f": "degF", "c": "degC"},
     "m^3": {"ccm": "cm^3"},
     "m^3/s": {"cfm": "ft^3/min", "acfm": "ft^3/min", "lpm": "L/min"},
-    "W": {"hp": "hp"},
     "Pa s": {"Pas": "Pa s", "mPas": "mPa s"},
+    "W": {
+        **dict.fromkeys(("ton", "tons", "tr"), "refrigeration_ton"),
+        "mbh": "kBtu/h",
+        **dict.fromkeys(("btuh", "btu/h", "btu/hr"), "Btu/h"),
+        "hp": "hp",
+        "ps": "metric_horsepower",
+    },
     "rad": {"º": "deg"},
     "J/(kg K)": {"kJ/kgK": "kJ/(kg K)", "J/kgK": "J/(kg K)"},
     "W/(m^2 K)": dict.fromkeys(("W/m2K", "W/m^2K", "W/m²K"), "W/(m^2 K)"),
@@ -220,13 +226,15 @@ def _tight(unit: str) -> str:
 
 
 def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
-    """Refuse ambiguous units: Hz, or degrees Celsius for a difference; and gauge pressures where none are allowed."""
+    """Refuse ambiguous units: Hz, MBtu/h, degrees Celsius for a difference; and gauge pressures where not allowed."""
     if kind.si == "Pa" and _GAUGE.fullmatch(unit):
         if kind.name == "pressure_difference":
             raise Refused(f"{shown} is a gauge pressure, not a difference (write e.g. '{kind.example}')")
         raise Refused(f"{shown} is a gauge pressure (write the absolute pressure, e.g. '{kind.example}')")
     if kind.name == "speed" and unit.lower() in ("hz", "khz", "1/s", "s^-1", "1/min", "min^-1"):
         raise Refused(f"{shown} is ambiguous: turns or radians (write rpm, rev/s or rad/s, e.g. '{kind.example}')")
+    if kind.si == "W" and unit.lower().startswith("mbtu"):
+        raise Refused(f"{shown} is ambiguous: a thousand or a million Btu (write kBtu/h or kW, e.g. '{kind.example}')")
     if kind.name == "temperature" and unit.startswith("delta_"):
         raise Refused(f"{shown} is a difference, not a temperature (write e.g. '{kind.example}' or '12 degC')")
     if kind.name == "temperature_difference" and _has_zero(kind, tidy_unit(unit)):
