@@ -8,7 +8,7 @@ the gas at 0°, which expands within a degree, for half a degree, and gave a sin
 
 from collections.abc import Callable
 from functools import lru_cache, partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,7 +19,10 @@ from screwsim.model.trajectory import Trajectory
 Array = np.ndarray
 POINTS = 360  # angles of a pitch: 0.25° apart with four lobes
 SIDE_STEP = 1e-6  # rad, distance from the end of a step
-EXTREME_POINTS = 17  # points around an extreme, between its neighbours
+NEAR_BY = np.linspace(-1.0, 1.0, 17)  # points around an extreme, over the distance of those before ...
+NEAREST, NEARER = 0.125, 2  # ... distance of these, and how often points nearer by are added
+BESIDE = np.arange(-2.0, 3.0)  # points around the last, over their distance, for a parabola ...
+SMOOTH = 3.0  # ... where the bend over the second to that over the first is above this: 4 of a parabola, 2 of a corner
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(3)  # of each part of a pitch between the ends of steps
 
 
@@ -81,24 +84,41 @@ class Pitch(NamedTuple):
         """Return the lowest and highest value over a pitch of curves of all chambers' pressures and slopes.
 
         Extremes may be corners or lie between the points: each curve is also evaluated on both sides of the
-        ends of steps, and once more around its lowest and its highest value. To these two what the dense output misses
-        of the pressures is added (`cycle.between_ends`); at the end of one chamber's step others are within theirs.
+        ends of steps, and ever nearer around its lowest and its highest value; where it is smooth, these lie at the
+        tops of parabolas. To these two what the dense output misses of the pressures is added
+        (`cycle.between_ends`); at the end of one chamber's step others are within theirs.
         """
-        apart = self.angle[1]
-        width, found = apart * len(self.angle), []
-        ends = np.sort(np.mod(np.concatenate([self.steps - SIDE_STEP, self.steps + SIDE_STEP]), width))
-        angles, at_ends = np.append(self.angle, ends), self.at(ends)
+        reach = float(self.angle[1])
+        ends = np.sort(np.concatenate([self.steps - SIDE_STEP, self.steps + SIDE_STEP]) % (reach * len(self.angle)))
+        angles, at_ends, found = np.append(self.angle, ends), self.at(ends), []
         for curve in curves:
-            values = np.append(curve(self.pressure, self.slope), curve(*at_ends))
+            values, apart = np.append(curve(self.pressure, self.slope), curve(*at_ends)), reach
             best = angles[[values.argmin(), values.argmax()]]
-            around = np.sort(np.mod(best[:, None] + np.linspace(-apart, apart, EXTREME_POINTS), width).ravel())
-            values, where = np.append(values, curve(*self.at(around))), np.append(angles, around)
-            best = where[[values.argmin(), values.argmax()]]
-            order = np.argsort(best)
-            pressure, slope = self.at(best[order])
-            low, high = curve(pressure + self.missed(best[order]), slope)[order]
-            found.append((float(low), float(high)))
+            for _ in range(NEARER):
+                values = self._beside(curve, best, apart * NEAR_BY)
+                best, apart = best + apart * NEAR_BY[[values[0].argmin(), values[1].argmax()]], apart * NEAREST
+            best = best + apart * _tops(self._beside(curve, best, apart * BESIDE))
+            low, high = self._beside(curve, best, np.zeros(1), self.missed)[:, 0].tolist()
+            found.append((low, high))
         return found
+
+    def _beside(self, curve: Callable[[Array, Array], Array], at: Array, by: Array, missed: Any = None) -> Array:
+        """Return a curve beside angles `at` [rad], by so much, a row for each; with what is `missed` of pressures."""
+        angles = (at[:, None] + by).ravel() % (self.angle[1] * len(self.angle))
+        order = np.argsort(angles)
+        pressure, slope = self.at(angles[order])
+        values = np.empty(len(angles))
+        values[order] = curve(pressure if missed is None else pressure + missed(angles[order]), slope)
+        return values.reshape(len(at), len(by))
+
+
+def _tops(values: Array) -> Array:
+    """Return where the tops of parabolas lie, in units of `BESIDE`; 0 at a corner, which bends half as much at 2."""
+    far, near, top, after, beyond = values.T
+    bend = near - 2.0 * top + after
+    smooth = np.abs(far - 2.0 * top + beyond) > SMOOTH * np.abs(bend)
+    tops = np.divide(near - after, 2.0 * bend, out=np.zeros(len(bend)), where=smooth & (bend != 0.0))
+    return np.clip(tops, -1.0, 1.0)
 
 
 def pitch_of(

@@ -21,7 +21,8 @@ ASKED += ("at_breakpoint", "jump", "keep_port_states")
 
 # kernels for installing histories and reading closed cycles
 READ_WITH = (port_states.port_states_along, history.add_history, history.states_at, ledger.account, ledger.arriving)
-READ_WITH += (trace.peak_pressure, trace.volumes, trace.sample, trace.work_along, trace.areas_along, trace.pressures)
+READ_WITH += (trace.peak_pressure, trace.volumes, trace.volume_slopes, trace.sample, trace.work_along)
+READ_WITH += (trace.areas_along, trace.pressures)
 
 # kernels for linearising a pitch
 OF_A_PITCH = (slices.rates_at, slices.derivatives_at, slices.derivatives)

@@ -144,6 +144,13 @@ def volumes(angles, P, TAB, out):
 
 
 @kernel
+def volume_slopes(angles, P, TAB, out):
+    """Fill out[i] with dV/dφ [m³/rad] of a chamber at the given angles [rad]."""
+    for a in range(angles.shape[0]):
+        out[a] = volume_slope_at(angles[a], P, TAB)
+
+
+@kernel
 def oil_films(angles, times, dense, steps, context, n_e, out):
     """Fill out[i] with the oil films [kg/s] into the chamber at the given angles [rad], gap by gap.
 

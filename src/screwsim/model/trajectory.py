@@ -21,7 +21,6 @@ from screwsim.numerics.frozen import with_changes
 from screwsim.numerics.identity_cache import keep
 
 Array = np.ndarray
-SIDE_STEP = 1e-6  # rad, half the difference for slopes of volumes
 KNOWN_LIVES = 4  # lives of a workspace whose flows into lines are kept: a turn, the closed cycle, and a finer one
 
 
@@ -142,8 +141,10 @@ class Trajectory(NamedTuple):
         return out
 
     def volume_slopes(self, angles: Array) -> Array:
-        """Return dV/dφ [m³/rad] of a chamber at angles [rad], by central differences."""
-        return (self.volumes(angles + SIDE_STEP) - self.volumes(angles - SIDE_STEP)) / (2.0 * SIDE_STEP)
+        """Return dV/dφ [m³/rad] of a chamber at angles [rad]: exact, as differences would drown slopes of figures."""
+        out = np.empty(len(angles))
+        self.module.trace__volume_slopes(angles, self.composition.P, self.composition.TAB, out)
+        return out
 
     def sample(self, angles: Array) -> tuple[Array, Array]:
         """Return rows of (SAMPLED, state…) and of the flow of each path [kg/s] at increasing angles [rad]."""
