@@ -193,15 +193,24 @@ def _odd_number_fault(kind: Kind, text: str, shown: str) -> Refused | None:
 
 def _likely_unit_fault(kind: Kind, number: str, unit: str, shown: str) -> Refused | None:
     """Return the fault of a unit that is spelt otherwise but is unambiguous for this kind; None for any other."""
-    tight = re.sub(r"[\s._()]", "", unit)
-    if kind.name == "viscosity" and tight.lower() in _KINEMATIC:
+    if kind.name == "viscosity" and _without_marks(unit).lower() in _KINEMATIC:
         return Refused(f"{shown} is a kinematic viscosity (multiply it by the density; write e.g. '{kind.example}')")
-    meant = _LIKELY_UNITS.get(kind.si, {})
-    known = meant.get(tight) or meant.get(tight.lower())
-    if known is None:  # in another case; but m and M are milli and mega
-        same = [each for each in _TABLE[kind.si] if each.lower() == unit.lower()]
-        known = same[0] if len(same) == 1 and (same[0][0] == unit[0] or unit[0] not in "mM") else None
+    known = likely_unit(kind.si, unit)
     return None if known is None else Refused(f"{shown} is not {describe(kind)} (write '{number} {known}')")
+
+
+def _without_marks(unit: str) -> str:
+    return re.sub(r"[\s._()]", "", unit)
+
+
+def likely_unit(si: str, unit: str) -> str | None:
+    """Return the unit that another spelling means among those of an SI unit; None where that is not clear."""
+    tight, meant = _without_marks(unit), _LIKELY_UNITS.get(si, {})
+    known = meant.get(tight) or meant.get(tight.lower())
+    if known is not None:
+        return known
+    same = [each for each in _TABLE.get(si, {}) if each.lower() == unit.lower()]  # but m and M are milli and mega
+    return same[0] if len(same) == 1 and (same[0][0] == unit[0] or unit[0] not in "mM") else None
 
 
 def refuse_traps(kind: Kind, unit: str, shown: str) -> None:

@@ -7,8 +7,9 @@ from typing import NamedTuple
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY
+from screwsim.outputs.display import si_unit
 from screwsim.scene.numerals import odd_number, odd_number_text
-from screwsim.scene.units import NUMBER, parse_quantity, refused_at, tidy_unit
+from screwsim.scene.units import NUMBER, likely_unit, parse_quantity, refused_at, tidy_unit
 from screwsim.study.calibration.data import CELSIUS, UNITS, ZERO, quantity_of
 from screwsim.study.figures import figure_of
 from screwsim.study.varied import Varied
@@ -91,6 +92,9 @@ def read_figure(figure: str, text: str, where: str, kind: str = "figure") -> flo
     with refused_at(where):
         if quantity := quantity_of(figure, kind, unit):
             return parse_quantity(quantity, f"{match[1]} {unit}")
+    meant = likely_unit(tidy_unit(si_unit(si)), unit) if unit else None
+    if meant is not None:
+        raise UsageError(f"{where}: {figure} has no unit {match[2]!r} (write '{match[1]} {meant}')")
     offered = [each for each in (*units, *([CELSIUS, "degF"] if celsius else [])) if each]
     what = f"has no unit {match[2]!r}" if unit else f"{match[1]} has no unit"
     raise UsageError(f"{where}: {figure} {what} (write one of {', '.join(offered) or 'a plain number'})")
