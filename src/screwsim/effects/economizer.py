@@ -39,6 +39,7 @@ HEAT_LOSS = "economizer_heat_loss"
 DRAWN_TOO_MUCH = 0.02  # relative excess of the drawn vapour over that which the liquid makes, above which is warned
 GIVEN_TOO_MUCH = 0.005  # heat loss over shaft power above which is warned
 PER_FOLD = 8.0  # [K] approximate error of the temperature when the port draws e times the vapour there is
+SETTLED = 0.01  # largest relative difference of both at which a temperature that is found counts as found
 APART = 0.5  # [K] least distance of a temperature that is found from both lines' and from the liquid's
 # the error of a draw ratio is relative to 1 (all vapour that the liquid makes) at least
 OF_VAPOUR = Scale(1.0, times="filling")
@@ -203,7 +204,8 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
         found[HEAT_LOSS] = max(-evaporating, 0.0) * drawn.suction_flow  # beyond what evaporates the drawn gas
     none = "the economizer cools no liquid"
     found[DRAW] = evaporating / wanted if wanted > 0.0 else none
-    found[GAIN] = max(0.0, min(evaporating, wanted)) / q_0
+    settled = parameters.is_open and abs(evaporating - wanted) <= SETTLED * wanted  # what is left open is not a loss
+    found[GAIN] = (wanted if settled else max(0.0, min(evaporating, wanted))) / q_0
     return found
 
 

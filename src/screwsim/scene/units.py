@@ -97,7 +97,7 @@ _SPELLINGS |= {"**": "^", "·": " ", "*": " "}
 _LIKELY_UNITS: dict[str, dict[str, str]] = {
     "Pa": {
         **dict.fromkeys(("bara", "barabs", "baraabs"), "bar"),
-        **dict.fromkeys(("psia", "psiabs"), "psi"),
+        **dict.fromkeys(("psia", "psiabs", "psid"), "psi"),
         **dict.fromkeys(("kpaa", "kpaabs"), "kPa"),
     },
     "rad/s": {
@@ -167,6 +167,18 @@ def parse_quantity(kind: Kind, text: str) -> float:
     return value
 
 
+def is_gauge(text: str) -> bool:
+    """Tell whether a quantity such as '7 bar(g)' is written as a gauge pressure."""
+    match = _QUANTITY.fullmatch(text)
+    return match is not None and _GAUGE.fullmatch(match[2] or "") is not None
+
+
+def without_gauge(unit: str) -> str:
+    """Return the unit of differences of gauge pressures, bar for bar(g); any other unit as it is."""
+    match = _GAUGE.fullmatch(unit)
+    return match[1] if match else unit
+
+
 def _from_gauge(kind: Kind, number: float, unit: str, text: str) -> Gauge | None:
     """Return the absolute pressure [Pa] of a gauge pressure; None for any other, or where gauge pressure is refused."""
     found, ambient = _GAUGE.fullmatch(unit), _ambient.get()
@@ -193,24 +205,24 @@ def _odd_number_fault(kind: Kind, text: str, shown: str) -> Refused | None:
 
 def _likely_unit_fault(kind: Kind, number: str, unit: str, shown: str) -> Refused | None:
     """Return the fault of a unit that is spelt otherwise but is unambiguous for this kind; None for any other."""
-    if kind.name == "viscosity" and _without_marks(unit).lower() in _KINEMATIC:
+    if kind.name == "viscosity" and _tight(unit).lower() in _KINEMATIC:
         return Refused(f"{shown} is a kinematic viscosity (multiply it by the density; write e.g. '{kind.example}')")
-    known = likely_unit(kind.si, unit)
+    known = likely_unit(kind, unit)
     return None if known is None else Refused(f"{shown} is not {describe(kind)} (write '{number} {known}')")
 
 
-def _without_marks(unit: str) -> str:
-    return re.sub(r"[\s._()]", "", unit)
-
-
-def likely_unit(si: str, unit: str) -> str | None:
-    """Return the unit that another spelling means among those of an SI unit; None where that is not clear."""
-    tight, meant = _without_marks(unit), _LIKELY_UNITS.get(si, {})
+def likely_unit(kind: Kind, unit: str) -> str | None:
+    """Return the unit of a kind that is meant by another spelling ('psi' for 'psia'); None where it is not clear."""
+    meant, tight = _LIKELY_UNITS.get(kind.si, {}), _tight(unit)
     known = meant.get(tight) or meant.get(tight.lower())
-    if known is not None:
-        return known
-    same = [each for each in _TABLE.get(si, {}) if each.lower() == unit.lower()]  # but m and M are milli and mega
-    return same[0] if len(same) == 1 and (same[0][0] == unit[0] or unit[0] not in "mM") else None
+    if known is None:  # in another case; but m and M are milli and mega
+        same = [each for each in _TABLE[kind.si] if each.lower() == unit.lower()]
+        known = same[0] if len(same) == 1 and (same[0][0] == unit[0] or unit[0] not in "mM") else None
+    return known
+
+
+def _tight(unit: str) -> str:
+    return re.sub(r"[\s._()]", "", unit)
 
 
 def refuse_traps(kind: Kind, unit: str, shown: str) -> None:

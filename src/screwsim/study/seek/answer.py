@@ -17,6 +17,7 @@ from screwsim.study.inputs import read_text, shown_figure, shown_range, shown_va
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.trials import Trial, Trials
 from screwsim.study.spans import LOWER, UPPER, Span
+from screwsim.study.uncertain import FigureUncertainty
 from screwsim.study.varied import Varied
 
 SAME_SIZE = 1e-9  # relative difference below which a size equals the value
@@ -39,7 +40,8 @@ class GoalSeekAnswer(Brief):
 
     `status` is ok; none: nothing in the ranges meets the goals, `values` and `figures` are those of the nearest
     solution; failed: no solution has the figures. `uncertainties` are those of the values due to the figures' estimated
-    numerical `errors` (absolute); `borders` names the end of a range at which a value lies.
+    numerical `errors` (absolute), `by_inputs` those due to the tolerances of the scene's other inputs; `borders` names
+    the end of a range at which a value lies.
     """
 
     status: str  # ok | none | failed
@@ -49,6 +51,7 @@ class GoalSeekAnswer(Brief):
     at: Mapping[str, Any] = field(default_factory=dict)
     values: Mapping[str, float] = field(default_factory=dict)
     uncertainties: Mapping[str, float | None] = field(default_factory=dict)
+    by_inputs: Mapping[str, FigureUncertainty] = field(default_factory=dict)
     figures: Mapping[str, float] = field(default_factory=dict)
     errors: Mapping[str, float] = field(default_factory=dict)
     borders: Mapping[str, str] = field(default_factory=dict)
