@@ -186,7 +186,11 @@ def test_no_size_meets_a_goal_of_a_figure_that_the_size_does_nothing_to(flow):
     ("vary", "goals", "message"),
     [
         ([RANGE], ["gas_mas_flow=1 kg/s"], "--for gas_mas_flow: is not known; did you mean 'gas_mass_flow'?"),
-        ([RANGE], ["shaft_power=20 tons"], "--for shaft_power=20 tons: unit 'tons' is not known (write refrigeration_ton"),
+        (
+            [RANGE],
+            ["shaft_power=20 tons"],
+            "--for shaft_power=20 tons: unit 'tons' is not known (write refrigeration_ton",
+        ),
         ([RANGE], ["gas_mass_flow=1 kW"], "--for gas_mass_flow=1 kW: gas_mass_flow has no unit 'kW' (write one of kg"),
         ([RANGE], ["gas_mass_flow=1"], "--for gas_mass_flow=1: gas_mass_flow 1 has no unit (write one of kg/s"),
         (
