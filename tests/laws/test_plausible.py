@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from scenes import DROP, make, run
 
+from screwsim.fluid.oils import OILS
 from screwsim.scene import load
 from screwsim.scene.plausible import scene_warnings
 from screwsim.simulate import simulate
@@ -47,6 +48,19 @@ def test_gaps_that_let_more_back_than_is_displaced_are_told():
     assert result.performance.volumetric_efficiency < -0.5
     assert told(result, "more flows back through leaks than the rotors displace")
     assert told(result, "effects.tip_leakage.gap: 20 mm is unusual")
+
+
+def test_oil_that_leaves_hotter_than_its_properties_are_known_is_told():
+    of_numbers = ("density", "heat_capacity", "viscosity")
+    cooled = ["effects.separator.cooler.conductance=4 kW/K", "oil.name=mineral_46"]
+    cooled += [f"oil.{name}=null" for name in of_numbers]
+    little = at("air/fixed_speed_7.yaml", "oil_supply.orifice_diameter=2 mm", *cooled)
+    hottest = OILS["mineral_46"].high
+    assert little.status == "ok" and little.performance.oil_discharge_temperature > hottest
+    (warning,) = told(little, "up to which mineral_46 is known")
+    assert warning.startswith("the oil leaves at ") and "150 degC" in warning
+    usual = at("air/fixed_speed_7.yaml", *cooled)
+    assert usual.performance.mixture_discharge_temperature < hottest and not told(usual, "the oil leaves at")
 
 
 def test_a_warning_of_the_scene_comes_before_all_others():

@@ -35,15 +35,17 @@ from screwsim.report import cycle as cycle_figures
 from screwsim.report import ledger, maps, plot, samples, sweeps
 from screwsim.report.annotate import spread
 from screwsim.report.families import optimum, optimum_arc
+from screwsim.report.quantities import SPEED as SPEED_SHOWN
 from screwsim.report.quantities import shown_axis
 from screwsim.report.style import COLOURS, DOUBLE, MM, SINGLE, journal, line_style
 from screwsim.report.trace import chosen_trace
 from screwsim.results import Results, open_results, warning_kinds
-from screwsim.scene import loads
+from screwsim.scene import load, loads
 from screwsim.study.sweep import run_sweep
 
 pytestmark = pytest.mark.around
 
+PACKAGE = Path(__file__).parents[2] / "configs" / "air" / "variable_speed_7.yaml"
 THREE = SCENE + "sweep:\n" + SPEEDS + RATIOS + "  operation.discharge.pressure: [10 bar, 14 bar]\n"
 MANY = (
     SCENE
@@ -157,6 +159,20 @@ def plotted(tmp_path_factory) -> tuple[Path, list[Path]]:
 def test_a_file_gives_the_figures_it_has_data_for(figures):
     names, found = figures
     assert list(found) == names
+
+
+def test_a_package_is_drawn_over_its_speed_although_its_oil_ratio_follows(tmp_path):
+    def packaged(case):
+        own = {"package_input_power": 1e5, "package_specific_power": 4e5, "free_air_delivered": 1e-3}
+        return Result("ok", performance=Figures({**ok(case).performance, **own}))
+
+    run_sweep(load(PACKAGE), tmp_path / "x.h5", jobs=1, simulate=packaged)
+    figures = drawn(tmp_path / "x.h5")
+    assert list(figures) == ["efficiency", "performance"]
+    labels = [axes.get_xlabel() for figure in figures.values() for axes in figure.axes]
+    assert set(labels) == {SPEED_SHOWN.label}
+    named = {axes.get_ylabel() for axes in figures["performance"].axes}
+    assert any("free air delivered" in each for each in named) and any("specific power" in each for each in named)
 
 
 @pytest.mark.parametrize("simulate", [ok, some_fail, with_cycle])

@@ -1,8 +1,16 @@
-"""Paths of flow as figures name them."""
+"""Paths of flow as figures name them, and the pressures of the lines."""
+
+from pathlib import Path
 
 import numpy as np
+import pytest
 
-from screwsim.report.trace import flow_paths
+from screwsim.report.trace import chosen_trace, flow_paths, trace_of
+from screwsim.results import open_results, save
+from screwsim.scene import load
+from screwsim.simulate import simulate
+
+PACKAGE = Path(__file__).parents[2] / "configs" / "air" / "fixed_speed_7.yaml"
 
 FLOW = np.array([0.0, 1e-3])
 
@@ -23,3 +31,14 @@ def test_two_effects_of_the_same_words_are_two_paths():
         "blow_hole": {"leading": "mass_flow_blow_hole_leading", "trailing": "mass_flow_blow_hole_trailing"},
         "my.blow_hole": {"leading": "mass_flow_my.blow_hole_leading", "trailing": "mass_flow_my.blow_hole_trailing"},
     }
+
+
+def test_the_lines_of_a_stored_cycle_are_those_of_its_figures(tmp_path):
+    """A package states its outlet; the machine delivers at a higher pressure, where its loop lies."""
+    scene = load(PACKAGE)
+    result = simulate(scene)
+    save(tmp_path / "x.h5", scene, result)
+    stored, own = chosen_trace(open_results(tmp_path / "x.h5")), trace_of(result)
+    assert stored.pressures == pytest.approx(own.pressures)
+    assert stored.pressures["$p_d$"] == pytest.approx(result.performance.discharge_pressure)
+    assert stored.pressures["$p_d$"] > scene.operation.discharge.pressure

@@ -303,6 +303,10 @@ def test_at_each_part_load_the_best_built_in_ratio_is_found_at_that_load(monkeyp
         assert step.best.performance.cop >= step.result.performance.cop
         if step.load < 1.0:
             assert step.best.performance.cooling_capacity == pytest.approx(step.load * 0.97e5, abs=2.0 * NEAR * 1e5)
+    low = screwsim.load(ROTORS, ["machine.built_in_volume_ratio=2.2", "machine.axial_volume_ratio=5"])
+    assert ratios(low) == pytest.approx((2.2, 2.9, 3.6, 4.3, 5.0))  # the machine's own is less than half of 5
+    for step in part_load(low, controls(low)[0], among=ratios(low)).steps:
+        assert step.best.performance.cop >= step.result.performance.cop
     assert ratios(screwsim.load(ROTORS)) == ()
     assert ratios(screwsim.load(ROTORS, ["sweep.machine.built_in_volume_ratio=[3, 2.2]"])) == (2.2, 3.0)
 

@@ -103,10 +103,15 @@ def family_of(results: Results, by_fluid: bool = True) -> Family | None:
 
 
 def outcome_family(results: Results) -> Family | None:
-    """Return the curves over the speed if the oil ratio is an outcome that varies along it; else None."""
-    axes = results.axis_list
+    """Return the curves over the speed if the oil ratio is an outcome that varies along it; else None.
+
+    A package is shown over its speed, by which its flow is controlled.
+    """
+    axes, found = results.axis_list, results.performance
     paths = [axis.path for axis in axes]
-    if SPEED not in paths or RATIO in paths or is_joint_sample(results) or "oil_ratio" not in results.performance:
+    if SPEED not in paths or RATIO in paths or is_joint_sample(results):
+        return None
+    if "oil_ratio" not in found or "package_input_power" in found:
         return None
     place = paths.index(SPEED)
     ratio = np.moveaxis(results.performance["oil_ratio"], place, -1)

@@ -83,12 +83,10 @@ def best_case(results: Results) -> tuple[int, ...] | None:
 
 
 def _line_pressure(results: Results, line: str, index: tuple[int, ...]) -> float:
-    """Return the pressure of a line [Pa]: the stated one, or the computed figure where temperatures are stated."""
-    given = _input(results, f"operation.{line}.pressure", index)
+    """Return the pressure of a line [Pa] as figures have it, in a package at the machine; else the stated one."""
     name = f"{line}_pressure"
-    if np.isfinite(given) or name not in results.performance:
-        return given
-    return float(results.performance[name][index])
+    found = float(results.performance[name][index]) if name in results.performance else np.nan
+    return found if np.isfinite(found) else _input(results, f"operation.{line}.pressure", index)
 
 
 def _input(results: Results, path: str, index: tuple[int, ...]) -> float:

@@ -276,7 +276,7 @@ def _joined(a: Results, b: Results) -> tuple[Sides, dict[str, Array]]:
     columns_a, columns_b = ([_column(each, path, flat) for path in paths] for each, flat in ((a, flat_a), (b, flat_b)))
     in_a, in_b = matched(columns_a, columns_b, (math.prod(a.shape), math.prod(b.shape)))
     if not len(in_a):
-        what = f"{', '.join(paths)} differ (sweep over common values)"
+        what = f"{', '.join(paths)} {'differs' if len(paths) == 1 else 'differ'} (sweep over common values)"
         raise UsageError(f"{a.path} and {b.path} have no point in common: {what}")
     places = {path: column[in_a] for path, column in zip(paths, columns_a, strict=True)}
     return (_FileAtCommonPoints(a, in_a, flat_a), _FileAtCommonPoints(b, in_b, flat_b)), places

@@ -119,14 +119,16 @@ def _has(scene: Scene, path: str) -> bool:
 def ratios(scene: Scene) -> tuple[float, ...]:
     """Return the built-in volume ratios to be compared; none where the ratio cannot be adjusted.
 
-    They are those of a sweep or, for a machine whose axial port has a ratio of its own, from half of that up to it.
+    They are those of a sweep or, for a machine whose axial port has a ratio of its own, from half of that, or from the
+    machine's own where that is less, up to it.
     """
     if RATIO_PATH in scene.sweep:
         return tuple(sorted(map(float, scene.sweep[RATIO_PATH])))
     axial = getattr(scene.machine, "axial_volume_ratio", None)
     if axial is None:
         return ()
-    return tuple(np.linspace(max(LEAST_RATIO * axial, LEAST), axial, RATIO_COUNT).tolist())
+    least = max(LEAST_RATIO * axial, LEAST)
+    return tuple(np.linspace(min(least, value_at(scene, RATIO_PATH) or least), axial, RATIO_COUNT).tolist())
 
 
 def part_load(

@@ -136,7 +136,8 @@ def air(asked: SceneRequest) -> str:
     carried = _oil_per_air(duty, taken / gas_flow, oil)
     oil_capacity = carried * gas_flow * _oil_heat_capacity(oil)
     cooler = _oil_cooler(max(ROOM, duty.T + ROOM_RESERVE), taken, gas_flow * _heat_capacity(duty), oil_capacity)
-    rated = sizes.motor_for(taken) if asked.motor is None else 1e-3 * asked.motor
+    delivered = (asked.free_air or LAMBDA * flow) / (LAMBDA * flow)  # of the estimated flow, where it is stated
+    rated = sizes.motor_for(min(delivered, 1.0) * taken) if asked.motor is None else 1e-3 * asked.motor
     displaced = [] if asked.by_sheet else [f"{sizes.flow_text(flow)} at {sizes.rpm(speed)}"]
     values = {
         **common_values(asked, duty, size, 0.97),
