@@ -11,10 +11,12 @@ import pytest
 
 import screwsim
 from screwsim.cli import exit_code
-from screwsim.scene import value_at, with_values
+from screwsim.inputs.faults import SceneError
+from screwsim.scene import scene_text, with_values
 from screwsim.scene.types import COVERAGE
 from screwsim.study.stages import read_stages, run_stages, uncertain
 from screwsim.study.stages.points import KeptPoints, sweep_stages
+from screwsim.study.stages.store import chain_text
 from screwsim.study.stages.uncertain import tolerances_of, with_uncertainty
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
@@ -32,6 +34,7 @@ HIGH = {
     "effects.interlobe_leakage.gap": "40 um ×/÷ 1.2",
 }
 COOLED = {"kind": "cooler", "outlet_temperature": "288 K", "pressure_drop": "0.05 bar"}
+LOOSELY = COOLED | {"outlet_temperature": "288 K ± 3 K", "pressure_drop": "0.05 bar ± 20 mbar"}
 COMPARED = ("intermediate_pressure", "shaft_power", "gas_mass_flow", "discharge_temperature", "isentropic_efficiency")
 
 
@@ -49,7 +52,7 @@ def plant(tmp_path):
 
 
 @pytest.mark.around
-@pytest.mark.parametrize("between", [None, COOLED])
+@pytest.mark.parametrize("between", [None, COOLED, LOOSELY])
 def test_standard_uncertainties_are_those_of_whole_solutions_at_other_inputs(plant, between):
     """The change of each figure by an input is that between two solutions one standard uncertainty to either side.
 
@@ -65,8 +68,7 @@ def test_standard_uncertainties_are_those_of_whole_solutions_at_other_inputs(pla
     tolerances = tolerances_of(chain)
     changes = {name: {} for name in COMPARED}
     for name, tolerance in tolerances.uncertain.items():
-        stage, _, path = name.partition(".")
-        value = float(value_at(getattr(chain, stage), path))
+        value = float(chain.value_at(name))
         step = 0.5 * tolerance.standard_at(value)
         high, low = (run_stages(chain.with_values({name: value + way * step})).performance for way in (1.0, -1.0))
         for figure in COMPARED:
@@ -99,6 +101,54 @@ def test_inputs_that_err_together_in_one_scene_add_before_they_are_squared(plant
     own = joined["figures"]["gas_mass_flow"]
     assert joined["groups"] == [["first.effects.tip_leakage.gap", "first.effects.interlobe_leakage.gap"]]
     assert own["standard"] == pytest.approx(sum(abs(one["change"]) for one in apart["contributors"]) / COVERAGE)
+
+
+def test_inputs_of_both_scenes_that_err_together_add_before_they_are_squared(plant, tmp_path):
+    gaps = ("effects.tip_leakage.gap", "effects.interlobe_leakage.gap")
+    rows = {gaps[0]: "50 um ± 8 um", gaps[1]: "40 um ± 8 um"}
+    path = plant(low=rows, high=rows, intercooler=LOOSELY)
+    apart = with_uncertainty(chain := read_stages(path), run_stages(chain)).uncertainty["figures"]
+    low = json.loads((tmp_path / "low.yaml").read_text())
+    low["uncertainty"] = {"correlated": [list(gaps)]}
+    (tmp_path / "low.yaml").write_text(json.dumps(low))
+    content = json.loads(path.read_text()) | {
+        "uncertainty": {"correlated": [[f"first.{gaps[0]}", f"second.{gaps[0]}"]]}
+    }
+    path.write_text(json.dumps(content))
+    chain = read_stages(path)
+    found = with_uncertainty(chain, run_stages(chain)).uncertainty
+    whole = (f"first.{gaps[0]}", f"first.{gaps[1]}", f"second.{gaps[0]}")
+    assert list(whole) in found["groups"]  # one of the scene and one of both, which share an input
+    for figure in COMPARED:
+        changes = {each["paths"][0]: each["change"] for each in apart[figure]["contributors"]}
+        (joined,) = (each for each in found["figures"][figure]["contributors"] if tuple(each["paths"]) == whole)
+        assert joined["change"] == pytest.approx(sum(changes[name] for name in whole), rel=1e-6)
+    text = chain_text(chain)
+    for name, scene in chain.by_stage.items():
+        (tmp_path / f"{name}.yaml").write_text(scene_text(scene))
+    again = tmp_path / "again.stages.yaml"
+    again.write_text(text)
+    assert (read_stages(again).uncertain, read_stages(again).correlated) == (chain.uncertain, chain.correlated)
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ({"uncertainty": {"correlated": [["first.operation.speed", "second.operation.speed"]]}}, "has no tolerance"),
+        ({"uncertainty": {"correlated": [["second.operation.speed"]]}}, "is not a list of groups of paths"),
+        ({"uncertainty": {"correlated": [["second.operation.speed", 3]]}}, "3 has no tolerance"),
+        ({"uncertainty": {"model": "bitzer"}}, "lists no correlated groups"),
+        ({"uncertainty": []}, "lists no correlated groups"),
+        ({"intercooler": COOLED | {"pressure_drop": "10 mbar ± 20 mbar"}}, "its 95 % interval reaches"),
+        ({"intercooler": COOLED | {"outlet_temperature": "288 K ± 1 %"}}, "is a share of a temperature"),
+        ({"intercooler": {"kind": "none ± 3"}}, "intercooler.kind"),
+    ],
+)
+def test_tolerances_that_make_no_sense_are_told_at_their_line(plant, content, told):
+    with pytest.raises(SceneError) as error:
+        read_stages(plant(**content))
+    (line,) = error.value.lines
+    assert told in line and "plant.stages.yaml:1:" in line
 
 
 @pytest.mark.around

@@ -19,10 +19,20 @@ from screwsim.outputs import STAGES, Figure, Result
 from screwsim.scene import Scene, load, scene_of, value_at, with_values
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy, lines
-from screwsim.scene.schema import DRAFT, OWN_PARAMETER, axis_definitions, leaf_schema, mapping, sweep_schema
+from screwsim.scene.model_errors import BLOCK
+from screwsim.scene.schema import (
+    CORRELATED_SCHEMA,
+    DRAFT,
+    OWN_PARAMETER,
+    axis_definitions,
+    leaf_schema,
+    mapping,
+    sweep_schema,
+)
 from screwsim.scene.sections import read_section
 from screwsim.scene.sweep import read_sweep_of
-from screwsim.scene.types import Joint, parameters_of_type
+from screwsim.scene.tolerances import CORRELATED_KEY, split_tolerances
+from screwsim.scene.types import Joint, Tolerance, parameters_of_type
 from screwsim.scene.units import gauge_pressures_over, readable_quantity, refused_at, to_customary
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
@@ -37,9 +47,10 @@ from screwsim.study.stages.axes import (
     names_in_chain,
 )
 from screwsim.study.stages.needs import absences, lacked
+from screwsim.study.stages.tolerances import read_between, read_correlated
 
 STAGES_KEY = "stages"
-KEYS = ("title", STAGES_KEY, "intercooler", "sweep")
+KEYS = ("title", STAGES_KEY, "intercooler", "sweep", BLOCK)
 _REMEDY = "write stages: [first.yaml, second.yaml]"
 AFTERCOOLERS = (  # why neither scene may name one, and what to do, of each stage
     ("whose cooling the line to the other stage states", "whose approach would be to the warm suction of that stage"),
@@ -53,7 +64,9 @@ UNLOADED_STAGE = "is unloaded and blows off what it moves, so that the pair deli
 class StageChain:
     """Two scenes in series. The first one's discharge and the second one's suction line are solved for, not read.
 
-    `sweep` has the values [SI] of each path that varies (`first.operation.speed`), `joints` those that vary together.
+    `uncertain` are tolerances of the intercooler's values, by path, `correlated` groups of inputs of both stages that
+    err together, besides those of each scene. `sweep` has the values [SI] of each path that varies
+    (`first.operation.speed`), `joints` those that vary together.
     """
 
     title: str
@@ -62,6 +75,8 @@ class StageChain:
     intercooler: Intercooler
     sweep: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     joints: tuple[Joint, ...] = ()
+    uncertain: Mapping[str, Tolerance] = field(default_factory=dict)
+    correlated: tuple[tuple[str, ...], ...] = ()
 
     @property
     def by_stage(self) -> dict[str, Scene]:
@@ -211,9 +226,10 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults)
     for extra in (name for name in content if name not in KEYS):
         what = f"is not known in a two-stage file (known: {', '.join(KEYS)})"
         problems.add(content[extra].heading, extra, what)
-    between = Intercooler()
-    if "intercooler" in content:
-        between = read_section(section_of(Intercooler), content["intercooler"], "intercooler", problems)
+    between, written = Intercooler(), {}
+    if BETWEEN in content:
+        plain, written = split_tolerances(content[BETWEEN], BETWEEN)
+        between = read_section(section_of(Intercooler), plain, BETWEEN, problems)
     files = _files(root, content[STAGES_KEY], problems)
     if problems or files is None:
         return None
@@ -226,6 +242,9 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults)
     _check(first, second, between, content, problems)
     title = content["title"].value if "title" in content else ""
     chain = StageChain(str(title or ""), first, second, between)
+    chain = replace(chain, uncertain=read_between(written, between, problems))
+    if BLOCK in content:
+        chain = replace(chain, correlated=read_correlated(content[BLOCK], chain, problems))
     ambient = first.operation.ambient_pressure
     if "sweep" in content and second.operation.ambient_pressure != ambient:
         what = "takes gauge pressures over one ambient_pressure, and the scenes have two (state the same in both)"
@@ -321,6 +340,7 @@ def stages_schema() -> dict[str, Any]:
         STAGES_KEY: files,
         "intercooler": between,
         "sweep": sweep_schema(names_in_chain, more, own),
+        BLOCK: mapping({CORRELATED_KEY: CORRELATED_SCHEMA}, [CORRELATED_KEY]),
     }
     schema = {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES_KEY])
     return schema | {"$defs": axis_definitions()}
