@@ -1,6 +1,7 @@
 """Laws of the heat from the cylinder's walls: coefficients, equivalent diameter, swirl."""
 
 import math
+import re
 
 import pytest
 from cylinder_scenes import SHUT, cylinder
@@ -8,12 +9,15 @@ from each_row import each_row
 from scipy.integrate import quad
 
 from screwsim.effects import cylinder_heat
-from screwsim.simulate import simulate
+from screwsim.scene import loads
+from screwsim.simulate import simulate, simulate_many
+from screwsim.template import new_scene, request_of
 
 BORE = 0.05
 AREA = math.pi / 4.0 * BORE**2
 GAS = {"gas_conductivity": 0.03, "gas_viscosity": 2e-5, "prandtl": 0.7}
 OMEGA = 150.0
+WALL = "effects.cylinder_heat.wall_temperature"
 
 
 def swirled(phi: float, rho: float, V: float) -> float:
@@ -66,3 +70,13 @@ def test_walls_with_a_swirl_close_the_balances():
         assert found.balance[name] <= found.balance.bound
     # what is shut in gives the walls what the piston does on it, and is warmer or colder than they by turns
     assert found.performance.wall_heat == pytest.approx(-found.performance.indicated_power, rel=1e-3)
+
+
+def test_a_gas_without_transport_properties_at_a_point_fails_that_point_alone():
+    """A sweep ended there with an error of usage, without any of its results."""
+    scene = new_scene("reciprocating", request_of(fluid="Propylene", condition="-60/-20 degC"))
+    cold = loads(scene, overrides=[f"{path}=-140 degC" for path in (WALL, "operation.evaporating_temperature")])
+    results = list(simulate_many([cold, loads(scene)], trace=False))
+    assert [result.status for result in results] == ["failed", "ok"]
+    told = r"effects\.cylinder_heat: CoolProp has no transport properties of Propylene at .* leave out effects\.cyl"
+    assert re.match(told, results[0].message), results[0].message

@@ -193,6 +193,10 @@ def test_no_size_meets_a_goal_of_a_figure_that_the_size_does_nothing_to(flow):
             ["specific_power=6 kW/m3/min"],
             "--for specific_power=6 kW/m3/min: specific_power has no unit 'kW/m3/mi",
         ),
+        ([RANGE], ["peak_pressure=100 psia"], "--for peak_pressure=100 psia: unit 'psia' is not known (write psi)"),
+        ([RANGE], ["displacement_flow=9 CFM"], "--for displacement_flow=9 CFM: unit 'CFM' is not known (write ft^"),
+        ([RANGE], ["shaft_power=9 HP"], "--for shaft_power=9 HP: unit 'HP' is not known (write hp)"),
+        ([RANGE], ["peak_pressure=7 barg"], "--for peak_pressure=7 barg: unit 'barg' is a gauge pressure (write"),
         ([RANGE], ["gas_mass_flow"], "--for gas_mass_flow: is not FIGURE=VALUE (write e.g. --for 'cooling_capacity="),
         ([RANGE], ["gas ma flow=1 kg/s"], "--for gas ma flow: is not known; did you mean 'gas_mass_flow'?"),
         (

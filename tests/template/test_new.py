@@ -16,7 +16,7 @@ from screwsim.scene.plausible import leaks_in_words
 from screwsim.study.sizing import NEAR, SizedMachine, sized_machine, with_steady_port
 from screwsim.study.sizing import performance_lines as sized_told
 from screwsim.study.validation import sibling
-from screwsim.template import KINDS, gas, new_scene, refrigeration, request_of, sizes
+from screwsim.template import KINDS, expander, gas, new_scene, refrigeration, request_of, sizes
 
 ROOT = Path(__file__).parents[2]
 templates = sibling(ROOT / "docs" / "tools" / "templates.py")
@@ -186,11 +186,15 @@ def test_a_package_of_a_small_pressure_rise_has_a_motor_that_takes_its_load_and_
         ("expander", {"fluid": "R1233zd(E)", "condition": "20.8/3.27 bar"}),
         ("booster", {"fluid": "Air", "condition": "0.4/1.01 bar", "displacement": "730 m^3/h"}),
         ("booster", {"fluid": "hydrogen", "condition": "5/6 bar", "speed": "1000 rpm"}),
+        ("expander", {"fluid": "Isopentane", "condition": "60.68/13.16 bar", "vi": 5.0}),
+        ("expander", {"fluid": "Water", "condition": "0.173/0.0216 bar", "displacement": "1100 m^3/h"}),
+        ("reciprocating", {"fluid": "R22", "condition": "-15/20 degC, 3 K"}),
     ],
 )
 def test_templates_that_had_no_solution_or_warned_run(kind, stated):
     """A ratio far from the pressures', a thermostat above what leaves, oil below the dew or hot, deep freezing,
-    wet steam or inlet, no transport, oil films that take more than a vacuum pump, a name that begins with a digit."""
+    wet steam or inlet, no transport, oil films that take more than a vacuum pump, a name that begins with a digit,
+    gas that gets wet halfway or as it expands through a valve."""
     figures(kind, **stated)
 
 
@@ -247,6 +251,29 @@ def test_a_motor_takes_what_a_built_in_ratio_costs_that_the_pressures_do_not_cal
     result = screwsim.simulate(scene, trace=False)
     assert (result.status, result.warnings) == ("ok", ())
     assert 0.7 < result.performance.shaft_power / scene.effects["motor"].parameters.rated_power < 1.1
+
+
+@pytest.mark.parametrize(
+    ("kind", "stated"),
+    [
+        ("refrigeration", {"fluid": "R134a", "condition": "0/3 degC"}),
+        ("heat_pump", {"fluid": "R600a", "condition": "90.5/91.5 degC"}),
+    ],
+)
+def test_a_motor_turns_a_machine_whose_least_built_in_ratio_is_beyond_its_pressures(kind, stated):
+    """Ends close together, for which 1.8 is the least ratio on the market: 2.0 and 6.7 of the motor's power before."""
+    scene = scene_of(kind, **stated)
+    load = figures(kind, **stated).shaft_power / scene.effects["motor"].parameters.rated_power
+    assert 0.6 < load < 1.1
+
+
+def test_work_of_expansion_to_a_built_in_ratio_is_the_lossless_one_where_it_matches_and_less_beyond():
+    k, pressures = 1.4, 8.0
+    full, matching = sizes.isentropic_work(k, 1.0, 1.0, 1.0 / pressures), pressures ** (1 / k)
+    assert expander.expansion_work(pressures, k, matching) == pytest.approx(-full)
+    assert expander.expansion_work(pressures, k, 1.0 + 1e-9) == pytest.approx(1.0 - 1.0 / pressures)
+    assert expander.expansion_work(pressures, k, 1.2 * matching) < -full
+    assert expander.expansion_work(1.01, k, 1.8) < 0.0
 
 
 def test_work_beyond_the_matching_ratio_is_that_of_constant_volume():
@@ -510,6 +537,42 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
             ["reciprocating", "--fluid", "R365MFC", "--condition", "0/130 degC"],
             "--condition 0/130 degC: compressed from 10 K of superheat, R365MFC ends wet, as its vapour line leans "
             "over (write e.g. --condition '0/130 degC, 50 K')",
+        ),
+        (
+            ["air", "--condition", "-0.9 bar(g)/2.1 bar(g)"],
+            "--condition -0.9 bar(g)/2.1 bar(g): an air package draws in ambient air, not 0.1 bar (write screwsim new "
+            "booster --fluid Air)",
+        ),
+        (
+            ["expander", "--fluid", "R245fa", "--condition", "23.4/23.1 bar"],
+            "--condition 23.4/23.1 bar: expanded to a built-in volume ratio of 1.8, the gas would take power instead",
+        ),
+        (
+            ["expander", "--fluid", "CO2", "--condition", "6/0.4 bar"],
+            "--condition 6/0.4 bar: CO2 would expand to -59.671 degC, below its triple point of -56.558 degC (write "
+            "e.g. --condition '6/0.4 bar, 110 degC')",
+        ),
+        (
+            ["expander", "--fluid", "Ammonia", "--condition", "20/0.05 bar"],
+            "--condition 20/0.05 bar: Ammonia would expand to -173.235 degC, below its triple point of -77.655 degC "
+            "(choose pressures closer together)",
+        ),
+        (
+            ["expander", "--fluid", "Air", "--condition", "20/1 bar, -100 degC"],
+            "--condition 20/1 bar, -100 degC: Air gets wet as it expands, and is described as if it were pure",
+        ),
+        (
+            ["refrigeration", "--fluid", "R448A", "--condition", "-40/-38 degC"],
+            "--condition -40/-38 degC: R448A glides: its liquid leaves the condenser at",
+        ),
+        (
+            ["refrigeration", "--condition", "-42/-40 degC"],
+            "--condition: gas and oil would leave colder than -20 degC, where the data of POE_68 begin (choose",
+        ),
+        (
+            ["refrigeration", "--vi", "1.1", "--slide"],
+            "--slide: machine.slide_valve.length: 0 mm lets the slot reach a chamber whose radial port is open (choose "
+            "a larger --vi, or no --slide)",
         ),
         (["booster", "--slide"], "--slide: is for refrigeration and heat_pump, which it unloads"),
         (["heat_pump", "--variable-speed"], "--variable-speed: is for air, from whose data sheet it comes"),
@@ -814,6 +877,14 @@ def test_a_gas_that_is_known_only_above_a_boosters_outlet_temperature_is_told_wh
 def test_a_blend_without_known_saturation_is_sent_to_the_scene_that_needs_none(kind):
     with pytest.raises(UsageError, match=r"has no known saturation: it is known as a gas only, from -56.*new booster"):
         new_scene(kind, request_of(fluid="Methane/Ethane/CO2 (mole 0.93/0.05/0.02)"))
+
+
+def test_a_cold_gas_without_transport_properties_has_those_of_warmer_r134a_or_no_heat():
+    """Below 142 K CoolProp has none of propylene, and of R134a a conductivity below zero."""
+    text = new_scene("refrigeration", request_of(fluid="R1270", condition="-160/-120 degC"))
+    assert "CoolProp has no transport properties of R1270: these values" in text
+    text = new_scene("reciprocating", request_of(fluid="R1270", condition="-157.6/-152.6 degC"))
+    assert "# No cylinder_heat: CoolProp has no transport properties of R1270 at" in text
 
 
 def test_a_cylinder_without_transport_properties_says_of_which_component_they_lack():

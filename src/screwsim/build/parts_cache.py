@@ -15,6 +15,7 @@ from screwsim.fluid.moist_air import moist_air
 from screwsim.fluid.real_gas import RealGas
 from screwsim.fluid.settings import GasSettings
 from screwsim.inputs.declare import files_in
+from screwsim.inputs.faults import QuantityNotFound, UsageError
 from screwsim.inputs.textfiles import stamp
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineGeometry, MachineSettings
@@ -78,7 +79,7 @@ class PartsCache:
         around = surroundings_of(scene, at)
         every = scene.effects
         asking = _effects_taking_numbers(every)
-        numbers = {name: one.effect.numbers(one.parameters, around) for name, one in asking.items()}
+        numbers = {name: _numbers(name, one, around) for name, one in asking.items()}
         whole = id(every), id(geometry), *_stamps(every), *[(name, *given.items()) for name, given in numbers.items()]
         known = self._whole.get(whole)
         if known is not None:
@@ -99,6 +100,16 @@ _files = IdentityCache(files_in)  # files that a machine, an effect's parameters
 def _stamps(part: Any) -> tuple[tuple[int, ...], ...]:
     """Return stamps of the files that a part of a scene names: a changed file makes its parts be built anew."""
     return tuple(map(stamp, _files(part)))
+
+
+def _numbers(name: str, active: ActiveEffect, around: Around) -> Mapping[str, float]:
+    """Return what an effect takes from the surroundings; raise QuantityNotFound where the gas has no such value."""
+    assert active.effect.numbers is not None
+    try:
+        return active.effect.numbers(active.parameters, around)
+    except UsageError as error:
+        remedy = f"choose other conditions, or leave out effects.{name}"
+        raise QuantityNotFound(f"effects.{name}: {error} ({remedy})") from None
 
 
 @IdentityCache

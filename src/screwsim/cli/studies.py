@@ -181,10 +181,9 @@ def _local_sensitivity(
     from screwsim.study.figures import figure_of
     from screwsim.study.local import sensitivities
 
+    if output is not None and not isinstance(scene, Scene) and output.suffix.lower() != ".csv":
+        raise UsageError(f"-o {output}: derivatives of two stages are a table (write -o {output.with_suffix('.csv')})")
     if output is not None and output.suffix.lower() == ".h5":
-        if not isinstance(scene, Scene):
-            good = output.with_suffix(".csv")
-            raise UsageError(f"-o {output}: derivatives of two stages are a table (write -o {good})")
         options.check_place(output)
     else:
         options.check_columns(output, "local sensitivities", "figure", "path", "number", "derivative")

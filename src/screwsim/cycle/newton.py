@@ -85,6 +85,8 @@ class Residual(NamedTuple):
 def corrected(problem: Problem, machinery: Machinery, tangents: Tangents, residual: Residual) -> Correction | None:
     """Return Newton's correction after the last life; None where a linear correction is meaningless."""
     c, entries = machinery.composition, problem.entries
+    if not np.isfinite(residual.unknowns_out).all():
+        return None
     by_residual = tangents.ahead @ residual.ahead[:, :, None]
     sources = np.concatenate([by_residual, tangents.by_unknowns], axis=2)  # a column for each change
     start = np.zeros((len(residual.start), sources.shape[2]))

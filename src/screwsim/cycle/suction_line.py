@@ -237,7 +237,8 @@ def _root(excess: Callable[[float], float], guess: float, shift: float) -> float
     grows = at < 0.0
     while (at < 0.0) == grows and at != 0.0:
         if reach > size:
-            raise UsageError("no mixture of gas and oil is possible in the suction line")
+            remedy = "choose smaller leaks, a higher speed or a lower pressure ratio"
+            raise UsageError(f"no temperature of the gas gives it their heat ({remedy})")
         low, high = (high, guess + reach) if grows else (max(guess - reach, CLOSE * size - shift), low)
         at, reach = excess(high if grows else low), 2.0 * reach
     return brentq(excess, low, high, CLOSE * size, CLOSE) if low < high else guess

@@ -144,8 +144,8 @@ class Parameters(WindowParameters, Sought):
     def off(self, figures: Mapping[str, Any], oil_follows: bool) -> tuple[float, float] | None:
         """Return the approximate error of the temperature [K] and its scale `PER_FOLD`; None without a draw ratio.
 
-        The port draws less from a warmer economizer, so the error is about proportional to the logarithm of the draw
-        ratio.
+        The port draws more from a warmer economizer, whose liquid gives off less, so the error is about proportional to
+        the logarithm of the draw ratio.
         """
         ratio = figures.get(DRAW)
         return None if ratio is None else (-PER_FOLD * math.log(max(ratio, 1e-2)), PER_FOLD)

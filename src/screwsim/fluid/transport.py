@@ -38,6 +38,8 @@ def transport(fluid: str, p: float, T: float) -> tuple[float, float, float]:
         return _of_vapour(fluid, p, T, lambda state: [state.conductivity(), state.viscosity(), state.Prandtl()])
 
     conductivity, mu, prandtl = ask(f"{fluid} transport {p!r} {T!r}", question)
+    if not min(conductivity, mu, prandtl) > 0.0:  # CoolProp's fits of cold vapours fall below zero
+        raise _unknown(fluid, p, T)
     return conductivity, mu, prandtl
 
 
@@ -67,7 +69,12 @@ def _of_vapour(fluid: str, p: float, T: float, read: Callable[[Any], list[float]
                 return read(state)
     finally:
         state.unspecify_phase()
-    raise UsageError(f"CoolProp has no transport properties of {fluid} at {in_bar(p)}, {in_celsius(T)}")
+    raise _unknown(fluid, p, T)
+
+
+def _unknown(fluid: str, p: float, T: float) -> UsageError:
+    """Return the error for a vapour of which CoolProp has no transport properties."""
+    return UsageError(f"CoolProp has no transport properties of {fluid} at {in_bar(p)}, {in_celsius(T)}")
 
 
 def _mixed(made: BlendBorder, wanted: str, T: float) -> float:

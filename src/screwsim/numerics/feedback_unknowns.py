@@ -50,7 +50,8 @@ class FeedbackUnknowns:
     def change(self, new: Array, old: Array) -> float:
         """Return the largest change, each relative to its own scale."""
         sizes = np.maximum(old + self.shifts, self.floors)
-        changes = np.abs(new - old) / (np.where(self.linear, self.scales, sizes) if self._mixed else sizes)
+        with np.errstate(invalid="ignore"):  # a life that failed may leave infinite ones
+            changes = np.abs(new - old) / (np.where(self.linear, self.scales, sizes) if self._mixed else sizes)
         for what, amount in self.carried:
             if max(new[amount], old[amount]) <= self.floors[amount]:
                 changes[what] = 0.0  # such as the temperature of a negligible amount

@@ -24,6 +24,7 @@ from screwsim.scene.fields import FIXED, Leaf, leaves_of, value_at
 from screwsim.scene.types import FoundWithCycle
 from screwsim.simulate import Trace
 from screwsim.simulate import simulate as simulated
+from screwsim.study import varied
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import DISCRETE_KINDS, check_continuous, shown_value
 from screwsim.study.optimum import results_at
@@ -191,11 +192,10 @@ def requested_numbers(of: Varied, paths: Sequence[str], every: Mapping[str, floa
     for path in paths:
         check_continuous(of, path)
         if path not in every:
-            why = "is not stated, or follows from others"
-            if isinstance(of, Scene):
-                follows = isinstance(value_at(of, path), FoundWithCycle) or is_derived(value_at(of, path))
-                why = f"{'follows from others' if follows else 'is not stated'} in this scene"
-            raise UsageError(f"{path}: {why} (state it, or leave it out)")
+            value = varied.value_at(of, path)
+            what = "follows from others" if isinstance(value, FoundWithCycle) or is_derived(value) else "is not stated"
+            where = "this scene" if isinstance(of, Scene) else f"the {path.partition('.')[0]} scene"
+            raise UsageError(f"{path}: {what} in {where} (state it, or leave it out)")
     return {path: every[path] for path in dict.fromkeys(paths or every)}
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.suggestions import joined_names, nearest
 from screwsim.scene import loads
-from screwsim.template import gas, reciprocating, refrigeration
+from screwsim.template import expander, gas, reciprocating, refrigeration
 from screwsim.template.request import SceneRequest, request_of
 
 MOTOR, SHEET, SPEEDS, CAPACITY = ("--motor",), ("--flow", "--pressure"), ("--variable-speed",), ("--capacity",)
@@ -55,7 +55,7 @@ KINDS = {
     "heat_pump": _plant(refrigeration.HEATING, "heating_capacity"),
     "air": Kind(gas.air, MOTOR + SHEET + SPEEDS),
     "booster": Kind(gas.booster),
-    "expander": Kind(gas.expander),
+    "expander": Kind(expander.expander),
     "reciprocating": Kind(reciprocating.reciprocating),
 }
 __all__ = ["KINDS", "SceneRequest", "kind_of", "new_scene", "request_of"]
@@ -77,12 +77,14 @@ def kind_of(name: str, options: Iterable[str] = ()) -> Kind:
 
 def new_scene(kind: str, asked: SceneRequest) -> str:
     """Return the text of a scene; raise UsageError, in one line, where there can be none."""
-    text = kind_of(kind).written(asked)
     try:
+        text = kind_of(kind).written(asked)
         loads(text, f"new {kind}")
     except SceneError as error:
         place, _, what = error.lines[0].partition(": ")
         told = refrigeration.refused_port(what) if asked.economizer else ""
+        if not told and what.startswith("machine.slide_valve."):
+            told = f"--slide: {what.rpartition(' (')[0]} (choose a larger --vi, or no --slide)"
         if not told and ".gas_viscosity: " in what:
             lacks = "CoolProp has no viscosity of it, which the gaps need"
             told = f"--fluid {asked.fluid}: {lacks} (choose a similar gas)"

@@ -30,6 +30,7 @@ class Duty(NamedTuple):
 
     T_e: float
     T_c: float
+    liquid: float  # [K] saturated, behind the condenser: colder than T_c where a blend glides
     superheat: str
     more: float  # [K] of it
     p_s: float
@@ -68,13 +69,17 @@ def duty_of(
         what = "evaporates above the condensing temperature"
         raise UsageError(f"--condition {condition}: {what} (write LOW/HIGH, e.g. '{example}')")
     p_s, p_d = constants.dew_pressure(fluid, found.low), p_cooler or constants.condensing_pressure(fluid, found.high)
+    liquid = constants.condensed(fluid, found.high) if p_cooler is None else found.high
+    if liquid <= found.low:
+        what = f"{fluid} glides: its liquid leaves the condenser at {in_celsius(liquid)}, colder than the evaporator"
+        raise UsageError(f"--condition {condition}: {what} (choose ends farther apart)")
     superheat, more = _superheat(fluid, found, p_s, p_d, condition, 1.0 if lossless else EFFICIENCIES[1])
     T, R = found.low + more, constants.gas_constant(fluid)
     k = constants.isentropic_exponent(fluid, T)
     hottest = T * (p_d / p_s) ** ((k - 1.0) / k)
     gas_flow = EFFICIENCIES[0] * flow * p_s / (R * T)
     work = sizes.isentropic_work(k, R, T, p_d / p_s)
-    return Duty(found.low, found.high, superheat, more, p_s, p_d, gas_flow, work, hottest, k)
+    return Duty(found.low, found.high, liquid, superheat, more, p_s, p_d, gas_flow, work, hottest, k)
 
 
 def _superheat(
@@ -119,7 +124,7 @@ def conditions(duty: Duty) -> dict[str, str]:
         "evaporating": f"{e} degC",
         "condensing": f"{c} degC",
         "superheat": duty.superheat,
-        "subcooling": f"{min(5.0, 0.5 * (duty.T_c - duty.T_e)):g} K",
+        "subcooling": f"{min(5.0, 0.5 * (duty.liquid - duty.T_e)):.4g} K",
     }
 
 

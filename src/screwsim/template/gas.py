@@ -1,4 +1,4 @@
-"""Screws on gases: an air package, a booster that takes in gas under pressure, an expander."""
+"""Screws on gases: an air package, a booster that takes in gas under pressure."""
 
 import math
 import textwrap
@@ -13,11 +13,11 @@ from screwsim.machine.rotors.settings import FAMILIES
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.refrigeration import OILS_FOR
-from screwsim.template.request import Condition, SceneRequest, condition_of, quantity_after_comma, refuse_option
+from screwsim.template.request import Condition, SceneRequest, condition_of, quantity_after_comma
 
 RPM = math.pi / 30.0
-LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power; of an expander, from a filled inlet
-DRY_CLEARANCE = 80e-6  # [m], clearances of dry rotors of 160 mm: two to four times those of flooded ones, assumed
+LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power
+THINNEST_AIR = 0.3e5  # [Pa] least inlet pressure of an air package: 0.34 bar on the highest mountain
 AIR_OIL = 4.0  # least kg of oil per kg of air, warmed by some 30 K (validation/cagi)
 LARGEST_OIL_WARMING = 40.0  # [K] most by which the oil of an air package is warmed: assumed
 ROOM, ROOM_RESERVE = 303.15, 5.0  # [K] room in which its cooler keeps LEAVES, this far above the inlet at least ...
@@ -36,7 +36,6 @@ FAN_SHARE = 0.04  # of the motor
 INVERTER_LOSS_SHARE = 0.03  # of the motor, lost by an inverter at its class's point: 97 % as in configs/air, assumed
 SPEEDS = 1.0, 0.86, 0.73, 0.59, 0.46, 0.32  # of full speed, on the sheet of a variable-speed package
 COMMENT_WIDTH = 110  # columns of a comment
-DRYNESS_FACTOR = 1.3  # of the outlet's pressure: estimate of how much drier an ideal gas is than a real one
 LARGEST_FRICTION_RATIO = 4.0  # times the lossless work, beyond which friction rules out a booster
 ABOVE_DEW, NEARLY = 10.0, 0.999  # [K] margin of the separator above the dew point; fraction of the critical temperature
 OIL_OVER_DEW = 4.0  # [K] margin of cooled oil above the dew point
@@ -70,7 +69,7 @@ class Duty(NamedTuple):
         return abs(sizes.isentropic_work(self.k, self.R, self.T, self.at.high / self.at.low))
 
 
-def _duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expands: bool = False) -> Duty:
+def gas_duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expands: bool = False) -> Duty:
     """Return the lines of a condition; an unstated temperature is the default, or 10 K above the dew point."""
     at = condition_of(asked.condition or example, "pressure", example)
     low, high = (at.high, at.low) if expands else (at.low, at.high)
@@ -93,7 +92,8 @@ def _duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expan
     return Duty(at, text, T, constants.isentropic_exponent(fluid, T), constants.gas_constant(fluid))
 
 
-def _common(asked: SceneRequest, duty: Duty, size: sizes.Size, share: float) -> dict[str, str]:
+def common_values(asked: SceneRequest, duty: Duty, size: sizes.Size, share: float) -> dict[str, str]:
+    """Return the machine, with `share` of the built-in ratio of an ideal gas, and the lines of a condition."""
     return {
         **texts.machine(size, asked, sizes.matching(duty.ratio, duty.k, share), duty.ratio),
         "low": duty.at.low_text,
@@ -102,13 +102,17 @@ def _common(asked: SceneRequest, duty: Duty, size: sizes.Size, share: float) -> 
     }
 
 
-def _motor(rated: float) -> dict[str, str]:
+def motor_values(rated: float) -> dict[str, str]:
     """Return what a scene states about a motor of the rated power [kW]."""
     return {"rated": f"{rated:.6g} kW", "efficiency": sizes.motor_efficiency(rated)}
 
 
 def _air_duty(asked: SceneRequest) -> Duty:
-    return _duty(asked, "Air", "0 bar(g)/7.5 bar(g)", "20 degC")
+    duty = gas_duty(asked, "Air", "0 bar(g)/7.5 bar(g)", "20 degC")
+    if duty.at.low < THINNEST_AIR:
+        what = f"an air package draws in ambient air, not {1e-5 * duty.at.low:.3g} bar"
+        raise UsageError(f"--condition {asked.condition}: {what} (write screwsim new booster --fluid Air)")
+    return duty
 
 
 def first_flow(asked: SceneRequest) -> float:
@@ -135,7 +139,7 @@ def air(asked: SceneRequest) -> str:
     rated = sizes.motor_for(taken) if asked.motor is None else 1e-3 * asked.motor
     displaced = [] if asked.by_sheet else [f"{sizes.flow_text(flow)} at {sizes.rpm(speed)}"]
     values = {
-        **_common(asked, duty, size, 0.97),
+        **common_values(asked, duty, size, 0.97),
         **_speeds(asked, rated, speed),
         "flooded": texts.flooded(size, LEAVES, cooler),
         "oil": oil,
@@ -192,7 +196,7 @@ def _package_work(duty: Duty) -> float:
 
 def _speeds(asked: SceneRequest, rated: float, speed: float) -> dict[str, str]:
     """Return the parts that differ between packages of fixed and variable speed, with a motor of rated power [kW]."""
-    motor = _motor(rated)
+    motor = motor_values(rated)
     if not asked.variable:
         return {
             "driven": texts.filled("fixed_speed", motor),
@@ -248,14 +252,6 @@ def _condenses(fluid: str, duty: Duty) -> bool:
     return limits is not None and T < limits.T_critical and constants.dew_pressure(fluid, T) < duty.at.high
 
 
-def _nears_condensing(fluid: str, duty: Duty) -> bool:
-    """Tell whether a gas expanding without loss comes close to condensing at the outlet."""
-    limits, coldest = constants.limits(fluid), duty.T * (duty.at.high / duty.at.low) ** ((duty.k - 1.0) / duty.k)
-    if limits is None or not limits.T_triple < coldest < limits.T_critical:
-        return False
-    return constants.dew_pressure(fluid, coldest) < DRYNESS_FACTOR * duty.at.high
-
-
 def _dew_temperature(fluid: str, duty: Duty) -> float | None:
     """Return the condensing temperature [K] of a gas at the outlet pressure; None where it does not condense."""
     limits = constants.limits(fluid)
@@ -299,7 +295,7 @@ def booster(asked: SceneRequest) -> str:
     flow, speed = asked.flow or 600.0 / 3600.0, asked.speed or 2950.0 * RPM
     example = "5/20 bar"
     _refuse_liquid_at_outlet(fluid)
-    size, duty = texts.sized(flow, speed), _duty(asked, fluid, example, "20 degC")
+    size, duty = texts.sized(flow, speed), gas_duty(asked, fluid, example, "20 degC")
     c_p = duty.R * duty.k / (duty.k - 1.0)
     gas_flow = LAMBDA * flow * duty.density
 
@@ -328,8 +324,8 @@ def booster(asked: SceneRequest) -> str:
     least = max(LEAST_OIL, LEAST_SHARE * flow * OILS[oil].density_at(LEAVES) / gas_flow)
     ratio = math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves - 0.5 * WARMED) * warmed)) / 2.0
     values = {
-        **_common(asked, duty, size, 0.97),
-        **_motor(sizes.motor_for(gas_flow * taken)),
+        **common_values(asked, duty, size, 0.97),
+        **motor_values(sizes.motor_for(gas_flow * taken)),
         "flooded": texts.flooded(size, leaves),
         "fluid": fluid,
         "two_phase": texts.two_phase(fluid, _condenses(fluid, duty)),
@@ -337,21 +333,3 @@ def booster(asked: SceneRequest) -> str:
         "oil_ratio": f"{max(math.ceil(2.0 * least) / 2.0, ratio):g}",
     }
     return texts.filled("booster", values)
-
-
-def expander(asked: SceneRequest) -> str:
-    """Return the scene of a dry screw expander with a generator."""
-    refuse_option("--oil", asked.oil, "expanders are dry here (remove it)")
-    fluid, flow, speed = asked.fluid or "R134a", asked.flow or 375.0 / 3600.0, asked.speed or 2950.0 * RPM
-    size, duty = texts.sized(flow, speed), _duty(asked, fluid, "20/7 bar", "100 degC", expands=True)
-    common = _common(asked, duty, size, 1.0)
-    inlet = flow / (asked.ratio or sizes.matching(duty.ratio, duty.k, 1.0))
-    values = {
-        **common,
-        **_motor(sizes.motor_for(inlet * duty.density * duty.work)),
-        "machine": common["machine"].replace("kind: twin_screw\n", "kind: twin_screw\n  mode: expander\n"),
-        "fluid": fluid,
-        "two_phase": texts.two_phase(fluid, _nears_condensing(fluid, duty)),
-        "gap": sizes.um(DRY_CLEARANCE * size.clearance),
-    }
-    return texts.filled("expander", values)

@@ -11,7 +11,7 @@ from screwsim.template import duty as duties
 from screwsim.template import sizes, valves
 from screwsim.template.duty import Duty, conditions, duty_of
 from screwsim.template.request import SceneRequest, condition_of, refuse_option
-from screwsim.template.texts import filled
+from screwsim.template.texts import filled, two_phase
 
 RPM = math.pi / 30.0
 
@@ -71,6 +71,7 @@ CARBON_DIOXIDE = Cylinder(
     friction=0.08,
 )
 FLOW, SMALL_FLOW = 10.0 / 3600.0, 1.5 / 3600.0  # [m³/s] default displacement of a cylinder; of CO2, which is denser
+LITTLE_SUPERHEAT = 8.0  # [K] below which gas may get wet where it expands into the cylinder: up to 4 K do at 1450 rpm
 ESTIMATED_EFFICIENCY = 0.65  # for an estimate of the power
 
 
@@ -111,10 +112,11 @@ def _valves(of: Cylinder, fluid: str, duty: Duty, s: float, speed: float) -> dic
     }
 
 
-def _wall(fluid: str, T: float) -> str:
-    """Return the line on heat between gas and wall [K], or why there is none."""
+def _wall(fluid: str, p_s: float, T_s: float, T: float) -> str:
+    """Return the line on heat between suction gas [Pa, K] and wall [K], or why there is none."""
     try:
-        transport(fluid, 1e4, max(T, 300.0))  # as effects.cylinder_heat asks
+        transport(fluid, 1e4, max(T, 300.0))  # as effects.cylinder_heat asks of a scene, and of its gas
+        transport(fluid, p_s, max(T_s, T))
     except UsageError as error:
         return f"  # No cylinder_heat: {error}.\n"
     told = "between the temperatures of inflow and outflow"
@@ -138,6 +140,7 @@ def _text(
         "known": of.known,
         "evidence": of.evidence,
         "fluid": fluid,
+        "two_phase": two_phase(fluid, duty.more < LITTLE_SUPERHEAT),
         "flow": sizes.flow_text(flow),
         "speed": sizes.rpm(speed),
         "bore": sizes.mm(of.bore * s, 4),
@@ -148,7 +151,7 @@ def _text(
         "share": f"{100.0 * of.clearance / of.swept:.0f}",
         "reeds": "".join(_reed(side, each, 0.25 * math.pi * (of.bore * s) ** 2, speed) for side, each in found.items()),
         "ring": sizes.um(of.ring * s),
-        "wall": _wall(fluid, T_s + of.wall * (duty.hottest - T_s)),
+        "wall": _wall(fluid, duty.p_s, T_s, T_s + of.wall * (duty.hottest - T_s)),
         "friction": f"{of.friction:g}",
         "rated": f"{rated:g} kW",
         "efficiency": sizes.motor_efficiency(rated),

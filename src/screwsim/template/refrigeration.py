@@ -37,7 +37,7 @@ FRICTION, OF_DISPLACED = 0.096, 1.08  # of the indicated power; ratio of that to
 ECONOMIZED_POWER_FACTOR = 1.12
 # ratio of the axial port beside a slide valve, or the machine's, beyond which bores have no port: assumed
 LARGEST_BORE_PORT_RATIO = 5.0
-STAND_IN = "R134a"
+STAND_IN, COLDEST_STAND_IN = "R134a", 200.0  # [K] from which its transport properties are taken
 COPPER_CORROSIVES = ("ammonia", "r717", "nh3")
 # refrigerants of which the curves behind EFFICIENCIES are means
 CURVES = ("r134a", "propane", "r290", "n-propane", "r1234yf", "r1234ze(e)", "r1234zee", "r407c")
@@ -81,7 +81,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
     fluid, flow = asked.fluid or plant.fluid, asked.flow or DEFAULT_DISPLACEMENT_FLOW
     duty = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition)
     size = texts.sized(flow, asked.speed or 2950.0 * RPM)
-    usual = sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
+    usual = _usual_ratio(duty)
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "POE_68")
     leaky, in_gas = _leaky_efficiency(fluid, duty, size), fluid.lower() not in COPPER_CORROSIVES
     ratio, separator = _oil_and_separator(fluid, duty, oil, asked.ratio or usual, leaky, in_gas)
@@ -183,9 +183,14 @@ def _sizing_comment(asked: SceneRequest, plant: Plant) -> str:
     return f"# Made for {by}: its size was found with the cycle.\n" if what else ""
 
 
+def _usual_ratio(duty: Duty) -> float:
+    """Return the built-in volume ratio for the pressures of a duty, within the range on the market."""
+    return sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
+
+
 def _power(duty: Duty, asked: SceneRequest) -> float:
     """Return the estimated shaft power [W], including the gas of an economizer."""
-    worse = sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, asked.ratio)
+    worse = sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, asked.ratio or _usual_ratio(duty))
     return duty.gas_flow * (ECONOMIZED_POWER_FACTOR if asked.economizer else 1.0) * worse * duty.work / EFFICIENCIES[1]
 
 
@@ -213,6 +218,7 @@ def _substitute_properties(fluid: str, duty: Duty) -> tuple[float, float, float]
         transport(fluid, p, T)
         transport(fluid, 1e4, 400.0)
     except UsageError:
+        T = max(T, COLDEST_STAND_IN)
         return transport(STAND_IN, min(p, 0.5 * constants.dew_pressure(STAND_IN, min(T, 370.0))), T)
     return None
 
@@ -264,6 +270,10 @@ def _oil_and_separator(
         """Return what the oil takes of a work [J/kg] where the gas leaves at a temperature [K]."""
         return work - constants.vapour_enthalpy(fluid, duty.p_d, leaving) + begins
 
+    coldest = OILS[oil].low
+    if dew < coldest and left(most, coldest) < 0.0:
+        what = f"gas and oil would leave colder than {in_celsius(coldest)}, where the data of {oil} begin"
+        raise UsageError(f"--condition: {what} (choose warmer ends, or ends farther apart)")
     if hottest_oil < dew + OVER_DEW and (hottest_oil <= dew or left(usual, hottest_oil) > 0.0):
         ends = f"{oil}, whose data end at {in_celsius(OILS[oil].high)}"
         what = f"condenses at {in_celsius(dew)}; oil so much warmer that nothing condenses on it is too hot for {ends}"

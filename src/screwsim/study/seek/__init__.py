@@ -141,7 +141,9 @@ def find_each(
     return parallel_map(
         partial(_answer_at_point, rest, asked, simulate),
         count,
-        died=lambda number: GoalSeekAnswer("failed", asked.spans, asked.goals, WORKER_DIED, case_values(rest, number)),
+        died=lambda number: GoalSeekAnswer(
+            "failed", asked.spans, asked.goals, WORKER_DIED, case_values(rest, number), searched=case(rest, number)
+        ),
         jobs=jobs,
         progress=progress,
     )
