@@ -131,12 +131,23 @@ def test_inputs_of_both_scenes_that_err_together_add_before_they_are_squared(pla
     assert (read_stages(again).uncertain, read_stages(again).correlated) == (chain.uncertain, chain.correlated)
 
 
+def test_a_value_that_replaces_one_with_a_tolerance_leaves_the_group_of_both(plant):
+    group = ["first.effects.tip_leakage.gap", "first.operation.suction.pressure", "second.operation.speed"]
+    path = plant(uncertainty={"correlated": [group]})
+    assert read_stages(path).correlated == (tuple(group),)
+    assert read_stages(path, ["second.operation.speed=1200 rpm"]).correlated == (tuple(group[:2]),)
+    assert read_stages(path, [f"{group[0]}=50 um", f"{group[2]}=1200 rpm"]).correlated == ()
+
+
 @pytest.mark.parametrize(
     ("content", "told"),
     [
         ({"uncertainty": {"correlated": [["first.operation.speed", "second.operation.speed"]]}}, "has no tolerance"),
         ({"uncertainty": {"correlated": [["second.operation.speed"]]}}, "is not a list of groups of paths"),
         ({"uncertainty": {"correlated": [["second.operation.speed", 3]]}}, "3 has no tolerance"),
+        ({"uncertainty": {"correlated": [["second.operation.speed", ["a"]]]}}, "has no tolerance"),
+        ({"uncertainty": {"correlated": [["second.operation.sped", "first.effects.tip_leakage.gap"]]}}, "did you mean"),
+        ({"uncertainty": {"correlated": 3}}, "is not a list of groups of paths"),
         ({"uncertainty": {"model": "bitzer"}}, "lists no correlated groups"),
         ({"uncertainty": []}, "lists no correlated groups"),
         ({"intercooler": COOLED | {"pressure_drop": "10 mbar ± 20 mbar"}}, "its 95 % interval reaches"),

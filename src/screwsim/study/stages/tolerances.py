@@ -60,8 +60,13 @@ def read_between(given: Mapping[str, WrittenTolerance], values: Any, problems: L
     return found
 
 
-def read_correlated(block: Node, chain: StageChain, problems: LocatedFaults) -> tuple[tuple[str, ...], ...]:
-    """Return the groups across both stages of the key `uncertainty`; faults are added at their places."""
+def read_correlated(
+    block: Node, chain: StageChain, changed: Sequence[str], problems: LocatedFaults
+) -> tuple[tuple[str, ...], ...]:
+    """Return the groups across both stages of the key `uncertainty`; faults are added at their places.
+
+    A member that an override has `changed` to a value without a tolerance leaves its group.
+    """
     path = f"{BLOCK}.{CORRELATED_KEY}"
     if not isinstance(block.value, dict) or set(block.value) != {CORRELATED_KEY}:
         problems.add(block.place, BLOCK, f"lists no correlated groups ({_REMEDY}; a model is named in the scenes)")
@@ -72,12 +77,21 @@ def read_correlated(block: Node, chain: StageChain, problems: LocatedFaults) -> 
         members = group.value if isinstance(group.value, list) else []
         if len(members) < 2:
             problems.add(group.place, path, f"is not a list of groups of paths ({_REMEDY})")
-        for each in members:
-            if not isinstance(each.value, str) or each.value not in known:
-                near = did_you_mean(each.value, known) if isinstance(each.value, str) else ""
-                problems.add(each.place, path, f"{shown(each.value)} has no tolerance{near} (write it there first)")
-        groups.append(tuple(str(each.value) for each in members))
-    return tuple(groups)
+        kept = [each for each in members if _is_known(each.value, known) or not _is_changed(each.value, changed)]
+        for each in (each for each in kept if not _is_known(each.value, known)):
+            near = did_you_mean(each.value, known) if isinstance(each.value, str) else ""
+            problems.add(each.place, path, f"{shown(each.value)} has no tolerance{near} (write it there first)")
+        groups.append(tuple(str(each.value) for each in kept))
+    return tuple(group for group in groups if len(group) > 1)
+
+
+def _is_known(path: Any, known: Mapping[str, Tolerance]) -> bool:
+    return isinstance(path, str) and path in known
+
+
+def _is_changed(path: Any, changed: Sequence[str]) -> bool:
+    """Tell whether an override names a path, or a section that contains it."""
+    return isinstance(path, str) and any(f"{path}.".startswith(f"{each}.") for each in changed)
 
 
 def tolerance_lines(groups: Sequence[Sequence[str]]) -> Iterator[str]:
