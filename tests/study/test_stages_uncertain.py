@@ -11,7 +11,7 @@ import pytest
 
 import screwsim
 from screwsim.cli import exit_code
-from screwsim.inputs.faults import SceneError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.scene import scene_text, with_values
 from screwsim.scene.types import COVERAGE
 from screwsim.study.stages import read_stages, run_stages, uncertain
@@ -79,6 +79,17 @@ def test_standard_uncertainties_are_those_of_whole_solutions_at_other_inputs(pla
         contributors = {one["paths"][0]: one["change"] / COVERAGE for one in told[figure]["contributors"]}
         for name, change in changes[figure].items():
             assert contributors.get(name, 0.0) == pytest.approx(change, abs=0.01 * whole), (figure, name)
+
+
+def test_a_program_gets_the_uncertainties_of_both_by_the_path_of_their_file(plant):
+    path = plant()
+    told = with_uncertainty(chain := read_stages(path), run_stages(chain)).uncertainty["figures"]
+    found = screwsim.uncertainty(path)
+    assert {name: spread.standard for name, spread in found.spreads.items()} == pytest.approx(
+        {name: each["standard"] for name, each in told.items()}, rel=1e-6
+    )
+    with pytest.raises(UsageError, match="no input has a tolerance"):
+        screwsim.uncertainty(plant(low={}, high={}))
 
 
 def test_the_line_between_both_has_no_tolerance_of_its_own(plant):

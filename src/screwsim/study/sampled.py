@@ -11,12 +11,10 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.values import within
-from screwsim.study.local import Sensitivities
 from screwsim.study.optimum import simulated_if_valid, simulator
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
-from screwsim.study.stages.solve import run_stages
-from screwsim.study.stages.uncertain import chain_uncertainty, tolerances_of
+from screwsim.study.stages.uncertain import tolerances_of
 from screwsim.study.uncertain import FigureSample, Tolerances, Uncertainty, groups_of, uncertainty
 from screwsim.study.varied import Varied, leaf_of, solved, value_at, with_values
 from screwsim.study.workers import WORKER_DIED
@@ -67,12 +65,7 @@ def refuse_count(count: int) -> None:
 
 def linear_uncertainty(of: Varied, figures: Sequence[str] = (), *, jobs: int | None = None) -> Uncertainty:
     """Return the linear uncertainties of figures (default: all) of a scene or two stages; raise UsageError."""
-    if isinstance(of, Scene):
-        found = uncertainty(of, jobs=jobs)
-    else:
-        solution = run_stages(of)
-        result = solution.as_result()
-        found = chain_uncertainty(of, solution)[0] if result.status == "ok" else Uncertainty({}, Sensitivities(result))
+    found = uncertainty(of, jobs=jobs)
     if lacking := next((name for name in figures if found.spreads and name not in found.spreads), ""):
         raise UsageError(f"--figure {lacking}: has no uncertainty from the inputs here (choose another)")
     return replace(found, spreads={name: found.spreads[name] for name in figures or found.spreads if found.spreads})

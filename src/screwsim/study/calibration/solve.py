@@ -110,7 +110,8 @@ class Calibration(Brief):
             rows.append((path, shown_value(scene, path, value), told, ", ".join(beside)))
         left = "" if self.chi_squared is None else f"; chi² {self.chi_squared:.4g} of {self.freedom} degrees of freedom"
         heading = f"Calibration: {self.status}{left}; {len(self.fit.points)} points, {len(self.starts)} starts"
-        notes = [text for text in (self.fit.title, self.message) if text]
+        other = "standard errors are without the tolerances of other inputs (.shifts)" if self.shifts else ""
+        notes = [text for text in (self.fit.title, self.message, other) if text]
         return About(heading, notes, ("parameter", "value", "standard error", ""), rows)
 
 
