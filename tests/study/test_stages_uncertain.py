@@ -17,7 +17,8 @@ from screwsim.scene.types import COVERAGE
 from screwsim.study.stages import read_stages, run_stages, uncertain
 from screwsim.study.stages.points import KeptPoints, sweep_stages
 from screwsim.study.stages.store import chain_text
-from screwsim.study.stages.uncertain import tolerances_of, with_uncertainty
+from screwsim.study.stages.uncertain import with_uncertainty
+from screwsim.study.uncertain import tolerances_of
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import scene_dict
@@ -171,6 +172,30 @@ def test_tolerances_that_make_no_sense_are_told_at_their_line(plant, content, to
         read_stages(plant(**content))
     (line,) = error.value.lines
     assert told in line and "plant.stages.yaml:1:" in line
+
+
+@pytest.mark.around
+def test_a_measured_point_of_both_is_held_against_them_and_explained(plant, capsys):
+    path = plant()
+    words = ["run", str(path), "--json", "--measured"]
+    assert exit_code([*words, "gas_mass_flow=0.2 kg/s ± 1 %"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    figure = document["measured"]["figures"]["gas_mass_flow"]
+    parts = [each / COVERAGE for each in figure["expanded"].values()]
+    assert figure["difference"] == pytest.approx(document["performance"]["gas_mass_flow"] - 0.2, rel=1e-9)
+    assert figure["sigma"] == pytest.approx(figure["difference"] / np.hypot(np.hypot(*parts[:2]), parts[2]), rel=1e-9)
+    assert figure["expanded"]["inputs"] == document["uncertainty"]["figures"]["gas_mass_flow"]["expanded"]
+    near = 0.98 * document["performance"]["gas_mass_flow"]
+    assert exit_code([*words, f"gas_mass_flow={near} kg/s ± 0.2 %"]) == 0
+    explained = json.loads(capsys.readouterr().out)["measured"]["explanations"]
+    best = next(each for each in explained if each["path"] == "first.operation.speed")
+    chain = read_stages(path)
+    assert run_stages(chain.with_values({best["path"]: best["wanted"]})).performance.gas_mass_flow == pytest.approx(
+        near, rel=2e-3
+    )
+    assert exit_code(["run", str(path), "--measured", "gas_mass_flow=0.2 kg/s ± 1 %"]) == 0
+    assert "uncertainty: {model" not in capsys.readouterr().out
+    assert exit_code(["run", str(path), "--measured", "shaft_pwer=12 kW"]) == 2
 
 
 @pytest.mark.around

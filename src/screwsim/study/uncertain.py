@@ -33,6 +33,15 @@ class Tolerances(NamedTuple):
     correlated: tuple[tuple[str, ...], ...]
 
 
+def tolerances_of(of: Varied) -> Tolerances:
+    """Return the tolerances of a scene's inputs, or of those of two stages, their stage before the path."""
+    if isinstance(of, Scene):
+        return Tolerances(of.uncertain, of.correlated)
+    from screwsim.study.stages.tolerances import stage_tolerances
+
+    return Tolerances(*stage_tolerances(of))
+
+
 class Contributor(NamedTuple):
     """One input or several correlated ones: their share of the variance, and the change [SI] of the figure.
 

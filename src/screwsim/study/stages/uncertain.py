@@ -27,8 +27,7 @@ from screwsim.study.local import Sensitivities, sensitivities
 from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.figures import StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.solve import ChainSolver, Stop
-from screwsim.study.stages.tolerances import stage_tolerances
-from screwsim.study.uncertain import Tolerances, Uncertainty, groups_of, spreads_of
+from screwsim.study.uncertain import Tolerances, Uncertainty, groups_of, spreads_of, tolerances_of
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
@@ -38,11 +37,6 @@ LINE_PATHS = (P_S, T_S, QUALITY, P_D)  # of a stage at the solution, which state
 INPUT_STEP = 0.01  # of a standard uncertainty
 PRESSURE_STEP = 1e-4  # of the pressure between the stages
 Slopes = dict[str, dict[str, float]]  # derivative [SI] of each figure by each input
-
-
-def tolerances_of(chain: StageChain) -> Tolerances:
-    """Return the tolerances of a chain's inputs, their stage before the path, but for the line that is solved for."""
-    return Tolerances(*stage_tolerances(chain))
 
 
 def with_uncertainty(chain: StageChain, found: ChainResult) -> ChainResult:
