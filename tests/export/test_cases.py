@@ -174,3 +174,28 @@ def test_a_table_of_its_own_is_replaced(swept, tmp_path):
     for units in ("si", "metric", "us"):
         assert cli.exit_code(["export", "cases", str(swept), "-o", str(out), "--units", units]) == 0
     assert "discharge temperature [degF]" in out.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("units", "power", "temperature"),
+    [
+        ("si", ("shaft_power_uncertainty [W] (k=2)", 1.0), ("discharge_temperature_uncertainty [K] (k=2)", 1.0)),
+        ("metric", ("shaft power uncertainty [kW] (k=2)", 1e3), ("discharge temperature uncertainty [K] (k=2)", 1.0)),
+        (
+            "us",
+            ("shaft power uncertainty [hp] (k=2)", 745.69987),
+            ("discharge temperature uncertainty [F diff] (k=2)", 1 / 1.8),
+        ),
+    ],
+)
+def test_uncertainties_by_the_inputs_stand_beside_their_figures(tmp_path, units, power, temperature):
+    path, out = tmp_path / "points.h5", tmp_path / "points.csv"
+    tolerant = ["oil_supply.ratio=3 ± 10 %", "sweep={operation.speed: [1000 rpm, 2000 rpm]}"]
+    run_sweep(load(str(POINT), overrides=tolerant), path, jobs=1)
+    assert cli.exit_code(["export", "cases", str(path), "-o", str(out), "--units", units]) == 0
+    rows = list(csv.DictReader(out.read_text(encoding="utf-8").splitlines()))
+    stored = open_results(path).uncertainty
+    for (head, factor), name in ((power, "shaft_power"), (temperature, "discharge_temperature")):
+        assert [factor * float(row[head]) for row in rows] == pytest.approx(2.0 * stored[name], rel=1e-6)
+    assert not any("displacement" in head and "uncertainty" in head for head in rows[0])  # it has none
+    assert cli.exit_code(["export", "cases", str(path), "-o", str(out), "--units", units]) == 0  # its own file

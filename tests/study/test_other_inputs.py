@@ -7,6 +7,7 @@ import pytest
 
 from screwsim import simulate
 from screwsim.cli import exit_code
+from screwsim.inputs.faults import UsageError
 from screwsim.scene import load, value_at, with_values
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.answers import Posterior
@@ -95,3 +96,13 @@ def test_a_posterior_says_what_it_takes_as_exact(fit_file):
     told = " ".join(_notes(found))
     assert f"intervals take {BORE}, {CLEARANCE}, {WALL} as exact" in told
     assert posterior_document(found)["taken_as_exact"] == [BORE, CLEARANCE, WALL]
+
+
+def test_a_fit_stands_where_no_shift_by_other_inputs_can_be_had(fit_file, monkeypatch):
+    def refuses(*asked, **more):
+        raise UsageError("machine.bore: follows from others in this scene (state it, or leave it out)")
+
+    monkeypatch.setattr("screwsim.study.calibration.solve.input_shifts", refuses)
+    found = calibrate(read_fit(fit_file), jobs=1)
+    assert (found.status, found.shifts) == ("ok", ()) and found.certainty is not None
+    assert found.message.startswith("no errors by the tolerances of other inputs: machine.bore: follows")

@@ -14,6 +14,7 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.printing.plan import print_plan
+from screwsim.scene import loads
 from screwsim.study import local
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.fit import Measurement, Point, Prior
@@ -29,6 +30,7 @@ from screwsim.study.calibration.plan import (
     typical_uncertainties,
 )
 from screwsim.study.calibration.profile import whitener
+from screwsim.study.local import Sensitivities
 from screwsim.study.uncertain import groups_of
 
 ROOT = Path(__file__).parents[2]
@@ -161,6 +163,15 @@ def test_what_follows_a_parameter_has_no_tolerance_of_its_own(tmp_path, monkeypa
     prior = Prior(50e-6, 5e-6)
     held = replace(fit, parameters=(replace(fit.parameters[0], prior=prior), fit.parameters[1]))
     assert inputs_of(held, held.scene)[0] == (("effects.end_face_leakage.gap",),)
+
+
+def test_an_input_without_a_derivative_does_not_count_as_certain(tmp_path, monkeypatch):
+    scene = loads(SCENE.replace("gap: 50 um", "gap: 50 um ± 10 um") + "\n")
+    path, point = "effects.tip_leakage.gap", Point("first", {}, {"shaft_power": Measurement(1e3, 10.0)})
+    known = Sensitivities(Result("ok"), {"oil.heat_capacity": 2e3}, left_out={path: "failed: too hot"})
+    monkeypatch.setattr("screwsim.study.calibration.machine.sensitivities", lambda *asked, **more: known)
+    with pytest.raises(UsageError, match="gap: has a tolerance, but no derivative at first: failed: too hot"):
+        residual_shifts(scene, point, [(path,)])
 
 
 def test_candidates_are_measured_as_the_points_are(tmp_path):

@@ -11,11 +11,14 @@ import pytest
 
 import screwsim
 from screwsim.cli import exit_code
-from screwsim.scene import value_at, with_values
+from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.scene import scene_text, with_values
 from screwsim.scene.types import COVERAGE
 from screwsim.study.stages import read_stages, run_stages, uncertain
 from screwsim.study.stages.points import KeptPoints, sweep_stages
-from screwsim.study.stages.uncertain import tolerances_of, with_uncertainty
+from screwsim.study.stages.store import chain_text
+from screwsim.study.stages.uncertain import with_uncertainty
+from screwsim.study.uncertain import tolerances_of
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import scene_dict
@@ -32,6 +35,7 @@ HIGH = {
     "effects.interlobe_leakage.gap": "40 um ×/÷ 1.2",
 }
 COOLED = {"kind": "cooler", "outlet_temperature": "288 K", "pressure_drop": "0.05 bar"}
+LOOSELY = COOLED | {"outlet_temperature": "288 K ± 3 K", "pressure_drop": "0.05 bar ± 20 mbar"}
 COMPARED = ("intermediate_pressure", "shaft_power", "gas_mass_flow", "discharge_temperature", "isentropic_efficiency")
 
 
@@ -49,7 +53,7 @@ def plant(tmp_path):
 
 
 @pytest.mark.around
-@pytest.mark.parametrize("between", [None, COOLED])
+@pytest.mark.parametrize("between", [None, COOLED, LOOSELY])
 def test_standard_uncertainties_are_those_of_whole_solutions_at_other_inputs(plant, between):
     """The change of each figure by an input is that between two solutions one standard uncertainty to either side.
 
@@ -65,8 +69,7 @@ def test_standard_uncertainties_are_those_of_whole_solutions_at_other_inputs(pla
     tolerances = tolerances_of(chain)
     changes = {name: {} for name in COMPARED}
     for name, tolerance in tolerances.uncertain.items():
-        stage, _, path = name.partition(".")
-        value = float(value_at(getattr(chain, stage), path))
+        value = float(chain.value_at(name))
         step = 0.5 * tolerance.standard_at(value)
         high, low = (run_stages(chain.with_values({name: value + way * step})).performance for way in (1.0, -1.0))
         for figure in COMPARED:
@@ -77,6 +80,17 @@ def test_standard_uncertainties_are_those_of_whole_solutions_at_other_inputs(pla
         contributors = {one["paths"][0]: one["change"] / COVERAGE for one in told[figure]["contributors"]}
         for name, change in changes[figure].items():
             assert contributors.get(name, 0.0) == pytest.approx(change, abs=0.01 * whole), (figure, name)
+
+
+def test_a_program_gets_the_uncertainties_of_both_by_the_path_of_their_file(plant):
+    path = plant()
+    told = with_uncertainty(chain := read_stages(path), run_stages(chain)).uncertainty["figures"]
+    found = screwsim.uncertainty(path)
+    assert {name: spread.standard for name, spread in found.spreads.items()} == pytest.approx(
+        {name: each["standard"] for name, each in told.items()}, rel=1e-6
+    )
+    with pytest.raises(UsageError, match="no input has a tolerance"):
+        screwsim.uncertainty(plant(low={}, high={}))
 
 
 def test_the_line_between_both_has_no_tolerance_of_its_own(plant):
@@ -99,6 +113,89 @@ def test_inputs_that_err_together_in_one_scene_add_before_they_are_squared(plant
     own = joined["figures"]["gas_mass_flow"]
     assert joined["groups"] == [["first.effects.tip_leakage.gap", "first.effects.interlobe_leakage.gap"]]
     assert own["standard"] == pytest.approx(sum(abs(one["change"]) for one in apart["contributors"]) / COVERAGE)
+
+
+def test_inputs_of_both_scenes_that_err_together_add_before_they_are_squared(plant, tmp_path):
+    gaps = ("effects.tip_leakage.gap", "effects.interlobe_leakage.gap")
+    rows = {gaps[0]: "50 um ± 8 um", gaps[1]: "40 um ± 8 um"}
+    path = plant(low=rows, high=rows, intercooler=LOOSELY)
+    apart = with_uncertainty(chain := read_stages(path), run_stages(chain)).uncertainty["figures"]
+    low = json.loads((tmp_path / "low.yaml").read_text())
+    low["uncertainty"] = {"correlated": [list(gaps)]}
+    (tmp_path / "low.yaml").write_text(json.dumps(low))
+    content = json.loads(path.read_text()) | {
+        "uncertainty": {"correlated": [[f"first.{gaps[0]}", f"second.{gaps[0]}"]]}
+    }
+    path.write_text(json.dumps(content))
+    chain = read_stages(path)
+    found = with_uncertainty(chain, run_stages(chain)).uncertainty
+    whole = (f"first.{gaps[0]}", f"first.{gaps[1]}", f"second.{gaps[0]}")
+    assert list(whole) in found["groups"]  # one of the scene and one of both, which share an input
+    for figure in COMPARED:
+        changes = {each["paths"][0]: each["change"] for each in apart[figure]["contributors"]}
+        (joined,) = (each for each in found["figures"][figure]["contributors"] if tuple(each["paths"]) == whole)
+        assert joined["change"] == pytest.approx(sum(changes[name] for name in whole), rel=1e-6)
+    text = chain_text(chain)
+    for name, scene in chain.by_stage.items():
+        (tmp_path / f"{name}.yaml").write_text(scene_text(scene))
+    again = tmp_path / "again.stages.yaml"
+    again.write_text(text)
+    assert (read_stages(again).uncertain, read_stages(again).correlated) == (chain.uncertain, chain.correlated)
+
+
+def test_a_value_that_replaces_one_with_a_tolerance_leaves_the_group_of_both(plant):
+    group = ["first.effects.tip_leakage.gap", "first.operation.suction.pressure", "second.operation.speed"]
+    path = plant(uncertainty={"correlated": [group]})
+    assert read_stages(path).correlated == (tuple(group),)
+    assert read_stages(path, ["second.operation.speed=1200 rpm"]).correlated == (tuple(group[:2]),)
+    assert read_stages(path, [f"{group[0]}=50 um", f"{group[2]}=1200 rpm"]).correlated == ()
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ({"uncertainty": {"correlated": [["first.operation.speed", "second.operation.speed"]]}}, "has no tolerance"),
+        ({"uncertainty": {"correlated": [["second.operation.speed"]]}}, "is not a list of groups of paths"),
+        ({"uncertainty": {"correlated": [["second.operation.speed", 3]]}}, "3 has no tolerance"),
+        ({"uncertainty": {"correlated": [["second.operation.speed", ["a"]]]}}, "has no tolerance"),
+        ({"uncertainty": {"correlated": [["second.operation.sped", "first.effects.tip_leakage.gap"]]}}, "did you mean"),
+        ({"uncertainty": {"correlated": 3}}, "is not a list of groups of paths"),
+        ({"uncertainty": {"model": "bitzer"}}, "lists no correlated groups"),
+        ({"uncertainty": []}, "lists no correlated groups"),
+        ({"intercooler": COOLED | {"pressure_drop": "10 mbar ± 20 mbar"}}, "its 95 % interval reaches"),
+        ({"intercooler": COOLED | {"outlet_temperature": "288 K ± 1 %"}}, "is a share of a temperature"),
+        ({"intercooler": {"kind": "none ± 3"}}, "intercooler.kind"),
+    ],
+)
+def test_tolerances_that_make_no_sense_are_told_at_their_line(plant, content, told):
+    with pytest.raises(SceneError) as error:
+        read_stages(plant(**content))
+    (line,) = error.value.lines
+    assert told in line and "plant.stages.yaml:1:" in line
+
+
+@pytest.mark.around
+def test_a_measured_point_of_both_is_held_against_them_and_explained(plant, capsys):
+    path = plant()
+    words = ["run", str(path), "--json", "--measured"]
+    assert exit_code([*words, "gas_mass_flow=0.2 kg/s ± 1 %"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    figure = document["measured"]["figures"]["gas_mass_flow"]
+    parts = [each / COVERAGE for each in figure["expanded"].values()]
+    assert figure["difference"] == pytest.approx(document["performance"]["gas_mass_flow"] - 0.2, rel=1e-9)
+    assert figure["sigma"] == pytest.approx(figure["difference"] / np.hypot(np.hypot(*parts[:2]), parts[2]), rel=1e-9)
+    assert figure["expanded"]["inputs"] == document["uncertainty"]["figures"]["gas_mass_flow"]["expanded"]
+    near = 0.98 * document["performance"]["gas_mass_flow"]
+    assert exit_code([*words, f"gas_mass_flow={near} kg/s ± 0.2 %"]) == 0
+    explained = json.loads(capsys.readouterr().out)["measured"]["explanations"]
+    best = next(each for each in explained if each["path"] == "first.operation.speed")
+    chain = read_stages(path)
+    assert run_stages(chain.with_values({best["path"]: best["wanted"]})).performance.gas_mass_flow == pytest.approx(
+        near, rel=2e-3
+    )
+    assert exit_code(["run", str(path), "--measured", "gas_mass_flow=0.2 kg/s ± 1 %"]) == 0
+    assert "uncertainty: {model" not in capsys.readouterr().out
+    assert exit_code(["run", str(path), "--measured", "shaft_pwer=12 kW"]) == 2
 
 
 @pytest.mark.around

@@ -202,7 +202,7 @@ def cases(
     columns = case_columns(open_results(source), units)
     file = write_cases(output, columns)
     if as_json:
-        heads = [{"name": each.name, "unit": each.unit} for each in columns]
+        heads = [{"name": each.name, "unit": each.unit, "coverage": each.coverage} for each in columns]
         print_json({"file": file, "cases": len(columns[0].values), "columns": heads})
     else:
         say(file)

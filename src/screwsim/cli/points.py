@@ -49,9 +49,9 @@ def run(
         prints = "everything" if name == "--json" else "a table of its own"
         raise UsageError(f"--short: prints the main figures only, but {name} prints {prints} (remove one of the two)")
     if is_stages(scene_file):
-        named = {"--short": short, "--measured": measured, "--together": together}
+        named = {"--short": short, "--together": together}
         options.refuse_for_stages(scene_file, "run", named | {"--knock-out": knock_out, "--without": without})
-        return _run_stages(scene_file, output, overrides, as_json)
+        return _run_stages(scene_file, output, overrides, measured or (), as_json)
     scene = options.loaded_point(scene_file, overrides, without)
     if output is not None:
         options.check_place(output)
@@ -123,9 +123,12 @@ def _print_point(scene: Scene, result: Result, changed: Sequence[str], short: bo
         print_uncertainty(result)
 
 
-def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool) -> int:
+def _run_stages(file: str, output: Path | None, overrides: Texts, measured: Sequence[str], as_json: bool) -> int:
+    from screwsim.printing import print_json
+    from screwsim.printing.measured import print_measured
     from screwsim.printing.stages import print_stages
     from screwsim.study.local import with_slopes
+    from screwsim.study.measured import compare_measured, read_measured
     from screwsim.study.stages import read_stages, run_stages
     from screwsim.study.stages.store import chain_point, save_chain
     from screwsim.study.stages.uncertain import with_uncertainty
@@ -137,13 +140,20 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, as_json: bool)
     options.report_sweeps_of_stages(chain, file)
     _report_ignored_model_errors(file, chain)
     base = replace(chain, sweep={}, joints=())
+    asked = read_measured(base, measured)  # mistakes are reported before anything is simulated
     found = with_uncertainty(base, run_stages(base))
     if output is not None:
         options.check_place(output)  # again: a file that has appeared meanwhile is kept
         save_chain(output, base, [chain_point(found, with_slopes)], "run", found.scenes)
-    options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_stages, chain.title, found)
+    compared = compare_measured(base, found.as_result(), asked) if asked else None
+    if as_json:
+        print_json(found.as_json() | ({} if compared is None else {"measured": compared.as_json()}))
+    else:
+        print_stages(chain.title, found)
+        if compared is not None:
+            print_measured(base, found.as_result(), compared)
     options.print_files([] if output is None else [output], as_json)
-    return OK if found.status == "ok" else NOT_ALL_OK
+    return OK if found.status == "ok" and not (compared and compared.none) else NOT_ALL_OK
 
 
 def _report_ignored_model_errors(file: str, chain: StageChain) -> None:

@@ -1,6 +1,7 @@
 """All cases of a results file as a table, a row each: varied paths, status, figures; in SI, metric or US units."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,6 +20,8 @@ from screwsim.results.protection import protect_other_heads
 from screwsim.results.read import STAGES
 from screwsim.results.schema import Axis, cf_unit
 from screwsim.scene.fields import leaf_paths
+from screwsim.scene.types import COVERAGE
+from screwsim.study.calibration.data import UNCERTAINTY_SUFFIX
 
 Array = np.ndarray
 SI, METRIC, US = "si", "metric", "us"
@@ -88,11 +91,17 @@ STANDARD = {METRIC: (ZERO_CELSIUS, 101325.0), US: (ZERO_CELSIUS + (60.0 - 32.0) 
 
 
 class CaseColumn(NamedTuple):
-    """A column of the table: its name, its unit, and its values, numbers or texts."""
+    """A column of the table: its name, its unit, its values, numbers or texts, and a coverage factor behind it."""
 
     name: str
     unit: str
     values: Array
+    coverage: str = ""
+
+    @property
+    def head(self) -> str:
+        """The column's name in the first line of the table."""
+        return " ".join(filter(None, (self.name, f"[{self.unit}]" if self.unit else "", self.coverage)))
 
 
 def case_columns(results: Results, units: str) -> list[CaseColumn]:
@@ -103,11 +112,23 @@ def case_columns(results: Results, units: str) -> list[CaseColumn]:
         values = results.performance[name].ravel()
         shown = shown_name(name) if units != SI else name
         found.append(CaseColumn(shown, *converted(results.figure(name), values, units)))
+        if name in results.uncertainty and np.nan_to_num(results.uncertainty[name]).any():
+            head = f"{name}{UNCERTAINTY_SUFFIX}" if units == SI else f"{shown} uncertainty"
+            found.append(_uncertainty(results, name, head, units))
     found += _volume_flows(results, units)
     for name, texts in (("message", results.messages), ("warnings", results.warnings)):
         if any(texts.ravel()):
             found.append(CaseColumn(name, "", np.array([text.replace("\n", "; ") for text in texts.ravel()])))
     return found
+
+
+def _uncertainty(results: Results, name: str, head: str, units: str) -> CaseColumn:
+    """Return half of the 95 % interval of a figure by the inputs, with its coverage factor as columns of a fit have."""
+    figure = results.figure(name)
+    if units != SI:
+        figure = replace(figure, units={"K": KELVIN, "Pa": PRESSURE_DIFFERENCE}.get(figure.units, figure.units))
+    unit, values = converted(figure, COVERAGE * results.uncertainty[name].ravel(), units)
+    return CaseColumn(head, unit, values, f"(k={COVERAGE:g})")
 
 
 def _varied(results: Results, path: str, units: str) -> CaseColumn:
@@ -158,7 +179,7 @@ def protect_other_cases(path: Path) -> None:
 def write_cases(path: Path, columns: Sequence[CaseColumn]) -> str:
     """Write columns as CSV with their units in the first line; return the path."""
     make_folder(path.parent)
-    heads = (f"{each.name} [{each.unit}]" if each.unit else each.name for each in columns)
+    heads = (each.head for each in columns)
     rows = zip(*(each.values.tolist() for each in columns), strict=True)
     return write_csv(path, heads, ([_cell(value) for value in row] for row in rows))
 

@@ -11,9 +11,11 @@ from screwsim.scene.types import COVERAGE
 from screwsim.screen import printable, say
 from screwsim.study.inputs import shown_number, shown_value, unit_of_change
 from screwsim.study.measured import AGREEMENT_LIMIT, ComparedFigure, Comparison, Explanation
+from screwsim.study.uncertain import tolerances_of
+from screwsim.study.varied import Varied
 
 
-def print_measured(scene: Scene, result: Result, found: Comparison) -> None:
+def print_measured(scene: Varied, result: Result, found: Comparison) -> None:
     """Print figures, measured values and differences, with the uncertainties of ours below each; then explanations."""
     say()
     if found.rows:
@@ -47,18 +49,18 @@ def _row(result: Result, row: ComparedFigure) -> list[str]:
     return [shown_name(row.figure), ours, measured, unit, f"{factor * row.off:+.3g}{share}", sigma]
 
 
-def _uncertainty_parts(scene: Scene, result: Result, row: ComparedFigure) -> str:
+def _uncertainty_parts(scene: Varied, result: Result, row: ComparedFigure) -> str:
     """Return the three uncertainties of the scene's own figure, separately."""
     factor, unit, _ = reading_unit(declared(row.figure, result.performance), row.value)
     unit = {"%": "points", "°C": "K"}.get(unit, unit)
-    inputs = f"inputs ± {factor * COVERAGE * row.inputs:.2g}" if scene.uncertain else "inputs not stated"
+    inputs = f"inputs ± {factor * COVERAGE * row.inputs:.2g}" if tolerances_of(scene).uncertain else "inputs not stated"
     model = "model not stated"
     if row.model is not None:
         model = "model " + " … ".join(f"{factor * end:+.2g}" for end in row.model)
     return f"ours: numerical ± {factor * COVERAGE * row.numerical:.1g}, {inputs}, {model} {unit}".rstrip()
 
 
-def _verdict(scene: Scene, found: Comparison) -> Iterator[str]:
+def _verdict(scene: Varied, found: Comparison) -> Iterator[str]:
     """Yield what the differences show, and which missing information would show more."""
     far = [row for row in found.rows if row.sigma is not None and abs(row.sigma) > AGREEMENT_LIMIT]
     bare = [row for row in found.rows if row.sigma is None]
@@ -78,14 +80,14 @@ def _verdict(scene: Scene, found: Comparison) -> Iterator[str]:
             "sigma: difference over the combined standard uncertainty of measurement, inputs and numerics; each ± is "
             "two standard uncertainties (k=2), half of a 95 % interval"
         )
-    missing = [] if scene.uncertain else ["tolerances of inputs (gap: 27 um ± 5 um)"]
-    if any(row.model is None for row in found.rows):
+    missing = [] if tolerances_of(scene).uncertain else ["tolerances of inputs (gap: 27 um ± 5 um)"]
+    if isinstance(scene, Scene) and any(row.model is None for row in found.rows):  # two stages have none
         missing.append("a validation that gives the model's error (uncertainty: {model: NAME})")
     if missing:
         yield f"not stated in the scene: {', '.join(missing)}"
 
 
-def _print_explanations(scene: Scene, found: Comparison) -> None:
+def _print_explanations(scene: Varied, found: Comparison) -> None:
     shown = {each.path: each.solved for each in found.explanations if each.solved is not None}
     tolerant = any(each.tolerances is not None for each in found.explanations)
     heads = ["alone would explain it", "is", "would be", "change", *["of tolerance"] * tolerant, "leaves"]
@@ -107,7 +109,7 @@ def _print_explanations(scene: Scene, found: Comparison) -> None:
     say(wrapped("; ".join(lines)))
 
 
-def _change(scene: Scene, each: Explanation) -> str:
+def _change(scene: Varied, each: Explanation) -> str:
     """Return by how much a number would have to change: in per cent, for temperatures in kelvin."""
     if unit_of_change(scene, each.path, each.value)[1] == "K":
         return f"{each.wanted - each.value:+.2g} K"

@@ -46,6 +46,11 @@ _COLUMN = mapping({name: {"type": "string"} for name in ("file", "column", "unit
 
 _NAMES = {"type": "array", "items": {"type": "string"}, "minItems": 2}
 _FRACTIONS = {"type": "array", "items": {"type": "number"}, "minItems": 2}
+CORRELATED_SCHEMA = {
+    "type": "array",
+    "items": _NAMES,
+    "description": "groups of paths whose tolerances are fully correlated",
+}
 _BLEND = mapping({"fluid": _NAMES, "mass_fractions": _FRACTIONS, "mole_fractions": _FRACTIONS}, ["fluid"])
 _FLUIDS = {"type": "array", "items": {"anyOf": [{"type": "string"}, _BLEND]}, "minItems": 1}
 
@@ -69,13 +74,11 @@ def schema() -> dict[str, Any]:
         "additionalProperties": False,
     }
     properties["sweep"] = sweep_schema()
-    together = "groups of paths whose tolerances are fully correlated"
-    groups = {"type": "array", "items": _NAMES, "description": together}
     named = {
         "enum": [*stored_model_errors(), None],
         "description": "validation whose model error is reported with the other uncertainties",
     }
-    properties[BLOCK] = mapping({CORRELATED_KEY: groups, MODEL: named}, (), "", ["object", "null"])
+    properties[BLOCK] = mapping({CORRELATED_KEY: CORRELATED_SCHEMA, MODEL: named}, (), "", ["object", "null"])
     return {
         "$schema": DRAFT,
         "title": "screwsim scene",

@@ -90,18 +90,23 @@ def read_tolerances(
     for path, each in given.items():
         leaf = leaves.get(path)
         with problems.at(each.place, path):
-            if leaf is None or (leaf.dimension is None and leaf.kind != "number"):
-                raise Refused("has a tolerance, which only quantities and numbers may have (write the value alone)")
-            if path.startswith(CERTAIN_SECTIONS):
-                raise Refused("has a tolerance, which only values that describe the machine and its operation may have")
-            if path in FIXED:
-                raise Refused("has a tolerance, but gauge pressures were read relative to it (write theirs instead)")
-            value = float(value_at(scene, path))
-            tolerance = _tolerance(leaf, each, value)
-            _check_ends(leaf, tolerance, value, "its")
-            found[path] = tolerance
+            found[path] = checked_tolerance(leaf, each, value_at(scene, path), path)
+            assert leaf is not None
             _check_sweep(leaf, found[path], scene.sweep.get(path, ()))
     return found, _correlated_groups(root, set(given), scene, problems)
+
+
+def checked_tolerance(leaf: Leaf | None, given: WrittenTolerance, value: Any, path: str = "") -> Tolerance:
+    """Return the tolerance written after a value [SI] of the input that a leaf describes; raise `Refused`."""
+    if leaf is None or (leaf.dimension is None and leaf.kind != "number"):
+        raise Refused("has a tolerance, which only quantities and numbers may have (write the value alone)")
+    if path.startswith(CERTAIN_SECTIONS):
+        raise Refused("has a tolerance, which only values that describe the machine and its operation may have")
+    if path in FIXED:
+        raise Refused("has a tolerance, but gauge pressures were read relative to it (write theirs instead)")
+    found = _tolerance(leaf, given, float(value))
+    _check_ends(leaf, found, float(value), "its")
+    return found
 
 
 def _tolerance(leaf: Leaf, given: WrittenTolerance, value: float) -> Tolerance:

@@ -18,16 +18,18 @@ from screwsim.figures import declared
 from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.scene import Scene, cross_check, leaf_of, with_values
+from screwsim.scene import Scene
 from screwsim.scene.tolerances import split_coverage
 from screwsim.scene.types import COVERAGE
 from screwsim.scene.units import NUMBER, gauge_pressures_over, is_gauge, refused_at, tidy_unit, without_gauge
 from screwsim.scene.values import within
 from screwsim.study.figures import figure_of
-from screwsim.study.goals import read_figure, refuse_twice
+from screwsim.study.goals import of_ambient, read_figure, refuse_twice
 from screwsim.study.inputs import unit_behind
 from screwsim.study.local import Sensitivities, sensitivities
 from screwsim.study.optimum import results_at
+from screwsim.study.uncertain import tolerances_of
+from screwsim.study.varied import Varied, faults_of, leaf_of, with_values
 
 OPTION, EXAMPLE = "--measured", "shaft_power=132 kW ± 2 kW"
 AGREEMENT_LIMIT = 2.0  # standard uncertainties within which both agree
@@ -131,7 +133,7 @@ class Comparison:
         }
 
 
-def read_measured(scene: Scene, texts: Iterable[str]) -> tuple[MeasuredFigure, ...]:
+def read_measured(scene: Varied, texts: Iterable[str]) -> tuple[MeasuredFigure, ...]:
     """Return the measurements of texts FIGURE=VALUE, FIGURE=VALUE ± UNCERTAINTY or FIGURE=VALUE ± UNCERTAINTY (k=K).
 
     Without k the uncertainty is half of the 95 % interval. Raise UsageError in one line.
@@ -141,7 +143,7 @@ def read_measured(scene: Scene, texts: Iterable[str]) -> tuple[MeasuredFigure, .
     return found
 
 
-def _read(scene: Scene, text: str) -> MeasuredFigure:
+def _read(scene: Varied, text: str) -> MeasuredFigure:
     name, equals, stated = (part.strip() for part in text.partition("="))
     value, *behind = (part.strip() for part in _SIGN.split(stated))
     bare = any(not part or part.startswith("(") for part in behind)  # no number behind ±, or (k=1) alone
@@ -153,7 +155,7 @@ def _read(scene: Scene, text: str) -> MeasuredFigure:
     unit = unit_behind(half)
     if unit not in ("", "%") and re.fullmatch(NUMBER, value):
         value = f"{value} {unit}"  # 132 ± 2 kW
-    with gauge_pressures_over(scene.operation.ambient_pressure):
+    with gauge_pressures_over(of_ambient(scene)):
         number = read_figure(figure, value, where)
     if not math.isfinite(number):
         raise UsageError(f"{where}: {value} is not a value that can be measured")
@@ -184,7 +186,7 @@ def _size(figure: str, number: float, value: str, text: str, where: str) -> floa
     return size
 
 
-def compare_measured(scene: Scene, result: Result, measured: Sequence[MeasuredFigure]) -> Comparison:
+def compare_measured(scene: Varied, result: Result, measured: Sequence[MeasuredFigure]) -> Comparison:
     """Return measured figures beside those of a result, and which numbers could explain the differences."""
     if not result.performance:
         return Comparison((), why=f"nothing to compare, as the point has no figures: {result.told}")
@@ -198,7 +200,8 @@ def compare_measured(scene: Scene, result: Result, measured: Sequence[MeasuredFi
         return Comparison(rows, none, why="nothing to explain")
     weighted = all(row.sigma is not None for row in rows)
     try:
-        found = sensitivities(scene, None, [row.figure for row in rows], result=result, fine=False, progress=False)
+        known: dict[str, Any] = {"result": result} if isinstance(scene, Scene) else {}
+        found = sensitivities(scene, None, [row.figure for row in rows], fine=False, progress=False, **known)
     except UsageError as error:
         return Comparison(rows, none, weighted=weighted, why=f"no explanation can be computed: {error}")
     linear = explanations(scene, found, rows, weighted)
@@ -219,7 +222,7 @@ def _compared(result: Result, measured: MeasuredFigure) -> ComparedFigure:
 
 
 def explanations(
-    scene: Scene, found: Sensitivities, rows: Sequence[ComparedFigure], weighted: bool
+    scene: Varied, found: Sensitivities, rows: Sequence[ComparedFigure], weighted: bool
 ) -> tuple[Explanation, ...]:
     """Return the numbers of which one alone could explain the differences, those that leave and change least first.
 
@@ -228,7 +231,7 @@ def explanations(
     scales = _scales(rows, weighted)
     off = [row.off / scale if scale else 0.0 for row, scale in zip(rows, scales, strict=True)]
     whole = sum(each * each for each in off)
-    kept = []
+    kept, uncertain = [], tolerances_of(scene).uncertain
     for path, value in found.values.items():
         slopes = [found.derivatives[row.figure].get(path, 0.0) for row in rows]
         slopes = [slope / scale if scale else 0.0 for slope, scale in zip(slopes, scales, strict=True)]
@@ -238,7 +241,7 @@ def explanations(
         change = -sum(slope * each for slope, each in zip(slopes, off, strict=True)) / square
         left = sum((each + slope * change) ** 2 for slope, each in zip(slopes, off, strict=True)) / whole
         if left <= LARGEST_REMAINDER and _is_possible_change(scene, path, value, change):
-            stated = scene.uncertain.get(path)
+            stated = uncertain.get(path)
             share = None if stated is None else change / (COVERAGE * stated.standard_at(value))
             kept.append(Explanation(path, value, value + change, left, share))
     return tuple(sorted(kept, key=lambda each: (round(each.left, 1), abs(each.wanted / each.value - 1.0))))
@@ -250,13 +253,14 @@ def _scales(rows: Sequence[ComparedFigure], weighted: bool) -> list[float]:
 
 
 def _solved(
-    scene: Scene, rows: Sequence[ComparedFigure], weighted: bool, linear: Sequence[Explanation]
+    scene: Varied, rows: Sequence[ComparedFigure], weighted: bool, linear: Sequence[Explanation]
 ) -> tuple[list[Explanation], dict[str, str]]:
     """Return the explanations that hold when the scene is solved at their values, and why the others do not."""
     if not linear:
         return [], {}
-    quick = replace(scene, numerics=replace(scene.numerics, error="none"))
-    results = results_at(quick, [{each.path: each.wanted} for each in linear])
+    if isinstance(scene, Scene):
+        scene = replace(scene, numerics=replace(scene.numerics, error="none"))
+    results = results_at(scene, [{each.path: each.wanted} for each in linear])
     pairs = list(zip(rows, _scales(rows, weighted), strict=True))
     whole = sum((row.off / scale) ** 2 for row, scale in pairs if scale)
     kept, dismissed = [], {}
@@ -278,10 +282,10 @@ def _solved(
     return sorted(kept, key=lambda each: (round(each.solved or 0.0, 1), abs(each.wanted / each.value - 1.0))), dismissed
 
 
-def _is_possible_change(scene: Scene, path: str, value: float, change: float) -> bool:
+def _is_possible_change(scene: Varied, path: str, value: float, change: float) -> bool:
     """Return whether a number [SI] may change this far: within reach of a derivative, its limits, and the scene."""
     leaf = leaf_of(scene, path)
     farthest = LARGEST_CHANGE_KELVIN if leaf.kind == "temperature" else LARGEST_CHANGE * abs(value)
     if abs(change) > farthest or not within(leaf, value + change):
         return False
-    return not cross_check(with_values(scene, {path: value + change}))
+    return not faults_of(with_values(scene, {path: value + change}))

@@ -230,15 +230,15 @@ def simulated_if_valid(scene: Varied, simulate: Simulate) -> Result:
 
 
 def results_at(
-    scene: Scene, points: Sequence[Mapping[str, Any]], *, jobs: int | None = None, progress: Progress | None = None
+    of: Varied, points: Sequence[Mapping[str, Any]], *, jobs: int | None = None, progress: Progress | None = None
 ) -> list[Result]:
-    """Return the results, without traces, of a scene with the values [SI] of each point, solved by workers."""
-    call, dead = partial(_result_at, scene, points), Result("failed", WORKER_DIED)
+    """Return the results, without traces, of a scene or two stages with the values [SI] of each point, by workers."""
+    call, dead = partial(_result_at, of, points), Result("failed", WORKER_DIED)
     return parallel_map(call, len(points), died=lambda number: dead, jobs=jobs, progress=progress)
 
 
-def _result_at(scene: Scene, points: Sequence[Mapping[str, Any]], number: int) -> Result:
-    return simulated_if_valid(with_values(scene, points[number]), simulator())
+def _result_at(of: Varied, points: Sequence[Mapping[str, Any]], number: int) -> Result:
+    return simulated_if_valid(with_values(of, points[number]), simulator() if isinstance(of, Scene) else solved)
 
 
 def absolute_error(result: Result, name: str, scene: Varied) -> float:

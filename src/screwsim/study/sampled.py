@@ -2,24 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import Result
-from screwsim.scene import Scene
 from screwsim.scene.values import within
-from screwsim.study.local import Sensitivities
-from screwsim.study.optimum import simulated_if_valid, simulator
-from screwsim.study.parallel import parallel_map
+from screwsim.study.optimum import results_at
 from screwsim.study.progress import Progress
-from screwsim.study.stages.solve import run_stages
-from screwsim.study.stages.uncertain import chain_uncertainty, tolerances_of
-from screwsim.study.uncertain import FigureSample, Tolerances, Uncertainty, groups_of, uncertainty
-from screwsim.study.varied import Varied, leaf_of, solved, value_at, with_values
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.uncertain import FigureSample, Tolerances, Uncertainty, groups_of, tolerances_of, uncertainty
+from screwsim.study.varied import Varied, leaf_of, value_at
 
 # of a standard uncertainty: tolerated difference of sampled and linear one; for few samples their scatter
 LINEAR_TOLERANCE = 0.25
@@ -44,8 +36,7 @@ def checked_by_sample(
     """
     refuse_count(count)
     points = drawn_inputs(of, count, seed)
-    call, dead = partial(_result_at, of, points), Result("failed", WORKER_DIED)
-    results = parallel_map(call, count, died=lambda number: dead, jobs=jobs, progress=progress)
+    results = results_at(of, points, jobs=jobs, progress=progress)
     good = [result for result in results if result.status == "ok"]
     bad = next((result for result in results if result.status != "ok"), None)
     message = "" if bad is None else f"{count - len(good)} of {count} samples have no figures: {bad.told}"
@@ -67,12 +58,7 @@ def refuse_count(count: int) -> None:
 
 def linear_uncertainty(of: Varied, figures: Sequence[str] = (), *, jobs: int | None = None) -> Uncertainty:
     """Return the linear uncertainties of figures (default: all) of a scene or two stages; raise UsageError."""
-    if isinstance(of, Scene):
-        found = uncertainty(of, jobs=jobs)
-    else:
-        solution = run_stages(of)
-        result = solution.as_result()
-        found = chain_uncertainty(of, solution)[0] if result.status == "ok" else Uncertainty({}, Sensitivities(result))
+    found = uncertainty(of, jobs=jobs)
     if lacking := next((name for name in figures if found.spreads and name not in found.spreads), ""):
         raise UsageError(f"--figure {lacking}: has no uncertainty from the inputs here (choose another)")
     return replace(found, spreads={name: found.spreads[name] for name in figures or found.spreads if found.spreads})
@@ -83,16 +69,11 @@ def rounding(name: str, value: float) -> float:
     return ROUNDING_KELVIN if declared(name).units in ("K", "kelvin") else ROUNDING * abs(value)
 
 
-def _result_at(of: Varied, points: Sequence[dict[str, float]], number: int) -> Result:
-    simulate = simulator() if isinstance(of, Scene) else solved
-    return simulated_if_valid(with_values(of, points[number]), simulate)
-
-
 def drawn_inputs(of: Varied, count: int, seed: int = 1) -> list[dict[str, float]]:
     """Return a Sobol sample of the inputs [SI]; correlated inputs move together."""
     from scipy.stats import norm, qmc
 
-    tolerances = Tolerances(of.uncertain, of.correlated) if isinstance(of, Scene) else tolerances_of(of)
+    tolerances = tolerances_of(of)
     groups = groups_of(tolerances)
     sample = qmc.Sobol(len(groups), scramble=True, rng=seed).random(count)
     deviations = np.asarray(norm.ppf(np.clip(sample, 1e-9, 1.0 - 1e-9)))

@@ -15,12 +15,13 @@ from screwsim.inputs.arguments import checked_arguments, instance
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
-from screwsim.scene import Scene, SceneLike, scene_of
+from screwsim.scene import Scene, SceneLike
 from screwsim.scene.model_errors import CONDITION_WORDS, RATIO, SPEED, shown_condition, stored_model_errors
 from screwsim.scene.types import COVERAGE, Tolerance
 from screwsim.study.inputs import shown_figure
 from screwsim.study.local import Sensitivities, numeric_paths, sensitivities
 from screwsim.study.progress import Progress
+from screwsim.study.varied import Varied
 
 RANGE_MARGIN = 0.01  # of a value: margin by which it may lie outside the validated range
 
@@ -30,6 +31,15 @@ class Tolerances(NamedTuple):
 
     uncertain: Mapping[str, Tolerance]
     correlated: tuple[tuple[str, ...], ...]
+
+
+def tolerances_of(of: Varied) -> Tolerances:
+    """Return the tolerances of a scene's inputs, or of those of two stages, their stage before the path."""
+    if isinstance(of, Scene):
+        return Tolerances(of.uncertain, of.correlated)
+    from screwsim.study.stages.tolerances import stage_tolerances
+
+    return Tolerances(*stage_tolerances(of))
 
 
 class Contributor(NamedTuple):
@@ -106,12 +116,30 @@ class Uncertainty(Brief):
 
 @checked_arguments(result=instance(Result, "what simulate returned"))
 def uncertainty(
-    scene: SceneLike, *, result: Result | None = None, jobs: int | None = 1, progress: Progress | bool | None = None
+    scene: SceneLike | Varied,
+    *,
+    result: Result | None = None,
+    jobs: int | None = 1,
+    progress: Progress | bool | None = None,
 ) -> Uncertainty:
     """Return the uncertainty of each figure that follows from the tolerances of a scene's inputs.
 
-    Raises UsageError if the scene states no tolerances."""
-    scene = scene_of(scene)
+    Two stages are given by the path of their file: the figures are those of both together. Raises UsageError if no
+    tolerance is stated.
+    """
+    from screwsim.study.stages import run_stages, scene_or_stages
+
+    given = scene_or_stages(scene)
+    if not isinstance(given, Scene):
+        from screwsim.study.stages.uncertain import chain_uncertainty
+
+        if result is not None:
+            raise UsageError("result: belongs to one machine, and here are two stages (leave it out)")
+        solution = run_stages(given)
+        if solution.status != "ok":
+            return Uncertainty({}, Sensitivities(solution.as_result()))
+        return chain_uncertainty(given, solution)[0]
+    scene = given
     if not scene.uncertain:
         raise UsageError("no input has a tolerance (write one after its value, e.g. gap: 27 um ± 5 um)")
     numbers, why = numeric_paths(scene)

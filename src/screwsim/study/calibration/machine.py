@@ -65,12 +65,17 @@ def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, 
 def residual_shifts(scene: Scene, point: Point, groups: Sequence[Group], result: Result | None = None) -> list[Array]:
     """Return the changes of a point's residuals by one standard uncertainty of each group of correlated inputs.
 
-    The scene is that of the point; it is solved where its `result` is not known.
+    The scene is that of the point; it is solved where its `result` is not known. Raises UsageError for an input without
+    a derivative: what it does must not count as nothing.
     """
     if not groups:
         return []
     paths = [path for group in groups for path in group]
     found = sensitivities(scene, paths, list(point.measured), fine=False, result=result)
+    lost = next((path for path in paths if path not in found.values), "")
+    if lost and found.result.status == "ok":
+        why = f"has a tolerance, but no derivative at {point.name}: {found.left_out.get(lost, 'not known')}"
+        raise UsageError(f"{lost}: {why} (write its value without a tolerance)")
     every = []
     for group in groups:
         total = np.zeros(len(point.measured))

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.inputs.faults import Interrupted
+from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_text
 from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
@@ -110,7 +110,8 @@ class Calibration(Brief):
             rows.append((path, shown_value(scene, path, value), told, ", ".join(beside)))
         left = "" if self.chi_squared is None else f"; chi² {self.chi_squared:.4g} of {self.freedom} degrees of freedom"
         heading = f"Calibration: {self.status}{left}; {len(self.fit.points)} points, {len(self.starts)} starts"
-        notes = [text for text in (self.fit.title, self.message) if text]
+        other = "standard errors are without the tolerances of other inputs (.shifts)" if self.shifts else ""
+        notes = [text for text in (self.fit.title, self.message, other) if text]
         return About(heading, notes, ("parameter", "value", "standard error", ""), rows)
 
 
@@ -237,6 +238,7 @@ def _calibration_of_starts(
     asked = Objective(fit, simulate)
     places, known = np.array(best.places), None
     shifts: tuple[InputShift, ...] = ()
+    lost = ""
     if not interrupted:
         if _search(asked, places, confirmed=True) and asked.best is not None:
             best = replace(best, status="ok", message="")
@@ -246,7 +248,10 @@ def _calibration_of_starts(
         slopes, off = asked.slopes(places), asked.outcome(places).known
         known = certainty(fit.parameters, places, slopes, off, apart=asked.apart(slopes), together=fit.together)
         if simulate is None:
-            shifts = input_shifts(fit, places, slopes, asked.outcome(places), asked.values(places))
+            try:
+                shifts = input_shifts(fit, places, slopes, asked.outcome(places), asked.values(places))
+            except UsageError as error:  # an input follows from others at a point
+                lost = f"no errors by the tolerances of other inputs: {error}"
     outcome = asked.outcome(places)
     values = asked.values(places)
     compared, reasons, warned = _compared(asked, outcome, values)
@@ -255,7 +260,7 @@ def _calibration_of_starts(
     margin = _margin(free, outcome.chi_squared, freedom)
     as_good = tuple(i for i, one in enumerate(starts) if one.cost - best.cost <= margin and one.status != "failed")
     status = "interrupted" if interrupted else "failed" if outcome.reasons else "ok"
-    message = _message(outcome, best, interrupted, len(starts))
+    message = "; ".join(filter(None, (_message(outcome, best, interrupted, len(starts)), lost)))
     rest = (known, outcome.chi_squared, freedom, margin, as_good, compared, reasons)
     more: dict[str, Any] = {**_counts((*starts, asked)), "methods": asked.methods, "warnings": warned, "shifts": shifts}
     return Calibration(fit, status, message, tuple(starts), values, *rest, **more)

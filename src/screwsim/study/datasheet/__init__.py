@@ -138,8 +138,8 @@ def _own_point(subject: Scene | StageChain) -> Result | None:
         asked = subject.uncertain or subject.model_error
         return with_uncertainty(subject, simulate(subject, trace=False)) if asked else None
     from screwsim.study.stages.solve import run_stages
-    from screwsim.study.stages.uncertain import tolerances_of
     from screwsim.study.stages.uncertain import with_uncertainty as of_both
+    from screwsim.study.uncertain import tolerances_of
 
     base = replace(subject, sweep={}, joints=())
     return of_both(base, run_stages(base)).as_result() if tolerances_of(subject).uncertain else None

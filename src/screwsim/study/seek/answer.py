@@ -67,7 +67,8 @@ class GoalSeekAnswer(Brief):
         rows += [("value", path, self._shown(path, value)) for path, value in self.values.items()]
         rows += [("figure", name, shown_figure(name, value)) for name, value in self.figures.items()]
         asked = ", ".join(f"{goal.figure} = {shown_figure(goal.figure, goal.value)}" for goal in self.goals)
-        notes = [self.message] if self.message else []
+        due = "uncertain by the tolerances of other inputs, too (.by_inputs)" if self.by_inputs else ""
+        notes = [text for text in (self.message, due) if text]
         return About(f"Found: {self.status}, for {asked}", notes, ("", "name", "is"), rows)
 
     def _shown(self, path: str, value: Any) -> str:

@@ -16,8 +16,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.study.local import sensitivities
-from screwsim.study.stages.uncertain import tolerances_of
-from screwsim.study.uncertain import FigureUncertainty, Tolerances, spreads_of
+from screwsim.study.uncertain import FigureUncertainty, Tolerances, spreads_of, tolerances_of
 from screwsim.study.varied import Varied
 
 LARGEST_CONDITION = 1e12  # of the slopes of figures, each times its value over theirs: beyond it the goals contradict
@@ -25,7 +24,7 @@ LARGEST_CONDITION = 1e12  # of the slopes of figures, each times its value over 
 
 def other_tolerances(of: Varied, sought: Sequence[str]) -> Tolerances:
     """Return the tolerances of a scene or two stages without those of the paths that are sought."""
-    every = Tolerances(of.uncertain, of.correlated) if isinstance(of, Scene) else tolerances_of(of)
+    every = tolerances_of(of)
     groups = (tuple(path for path in group if path not in sought) for group in every.correlated)
     kept = {path: tolerance for path, tolerance in every.uncertain.items() if path not in sought}
     return Tolerances(kept, tuple(group for group in groups if len(group) > 1))

@@ -6,7 +6,7 @@ from screwsim.study.stages.read import (
     is_stages,
     read_stages,
     scene_or_stages,
-    stages_schema,
 )
 from screwsim.study.stages.result import ChainResult
+from screwsim.study.stages.schema import stages_schema
 from screwsim.study.stages.solve import run_stages

@@ -1,4 +1,4 @@
-"""Read STAGES.yaml: both scenes and what lies between, with faults by line; its JSON Schema and its description."""
+"""Read STAGES.yaml: both scenes and what lies between, with faults by line; its description."""
 
 import os
 import textwrap
@@ -19,10 +19,11 @@ from screwsim.outputs import STAGES, Figure, Result
 from screwsim.scene import Scene, load, scene_of, value_at, with_values
 from screwsim.scene.fields import Leaf, section_of
 from screwsim.scene.lines import condensate_enthalpy, lines
-from screwsim.scene.schema import DRAFT, OWN_PARAMETER, axis_definitions, leaf_schema, mapping, sweep_schema
+from screwsim.scene.model_errors import BLOCK
 from screwsim.scene.sections import read_section
 from screwsim.scene.sweep import read_sweep_of
-from screwsim.scene.types import Joint, parameters_of_type
+from screwsim.scene.tolerances import split_tolerances
+from screwsim.scene.types import Joint, Tolerance, parameters_of_type
 from screwsim.scene.units import gauge_pressures_over, readable_quantity, refused_at, to_customary
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
@@ -32,15 +33,15 @@ from screwsim.study.stages.axes import (
     INTERCOOLER_KINDS,
     LEAVES,
     STAGE_NAMES,
+    STAGES_KEY,
     Intercooler,
     leaf_in_chain,
-    names_in_chain,
     override_meant,
 )
 from screwsim.study.stages.needs import absences, lacked
+from screwsim.study.stages.tolerances import read_between, read_correlated
 
-STAGES_KEY = "stages"
-KEYS = ("title", STAGES_KEY, "intercooler", "sweep")
+KEYS = ("title", STAGES_KEY, "intercooler", "sweep", BLOCK)
 _REMEDY = "write stages: [first.yaml, second.yaml]"
 AFTERCOOLERS = (  # why neither scene may name one, and what to do, of each stage
     ("whose cooling the line to the other stage states", "whose approach would be to the warm suction of that stage"),
@@ -54,7 +55,9 @@ UNLOADED_STAGE = "is unloaded and blows off what it moves, so that the pair deli
 class StageChain:
     """Two scenes in series. The first one's discharge and the second one's suction line are solved for, not read.
 
-    `sweep` has the values [SI] of each path that varies (`first.operation.speed`), `joints` those that vary together.
+    `uncertain` are tolerances of the intercooler's values, by path, `correlated` groups of inputs of both stages that
+    err together, besides those of each scene. `sweep` has the values [SI] of each path that varies
+    (`first.operation.speed`), `joints` those that vary together.
     """
 
     title: str
@@ -63,6 +66,8 @@ class StageChain:
     intercooler: Intercooler
     sweep: Mapping[str, tuple[Any, ...]] = field(default_factory=dict)
     joints: tuple[Joint, ...] = ()
+    uncertain: Mapping[str, Tolerance] = field(default_factory=dict)
+    correlated: tuple[tuple[str, ...], ...] = ()
 
     @property
     def by_stage(self) -> dict[str, Scene]:
@@ -224,9 +229,10 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults)
     for extra in (name for name in content if name not in KEYS):
         what = f"is not known in a two-stage file (known: {', '.join(KEYS)})"
         problems.add(content[extra].heading, extra, what)
-    between = Intercooler()
-    if "intercooler" in content:
-        between = read_section(section_of(Intercooler), content["intercooler"], "intercooler", problems)
+    between, written = Intercooler(), {}
+    if BETWEEN in content:
+        plain, written = split_tolerances(content[BETWEEN], BETWEEN)
+        between = read_section(section_of(Intercooler), plain, BETWEEN, problems)
     files = _files(root, content[STAGES_KEY], problems)
     if problems or files is None:
         return None
@@ -239,6 +245,10 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults)
     _check(first, second, between, content, problems)
     title = content["title"].value if "title" in content else ""
     chain = StageChain(str(title or ""), first, second, between)
+    chain = replace(chain, uncertain=read_between(written, between, problems))
+    if BLOCK in content:
+        changed = [f"{stage}.{each.partition('=')[0]}" for stage, own in overrides.items() for each in own]
+        chain = replace(chain, correlated=read_correlated(content[BLOCK], chain, changed, problems))
     ambient = first.operation.ambient_pressure
     if "sweep" in content and second.operation.ambient_pressure != ambient:
         what = "takes gauge pressures over one ambient_pressure, and the scenes have two (state the same in both)"
@@ -310,33 +320,6 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
         what = "economizer needs operation.condensing_temperature or gas_cooler in the second scene"
         what = f"{what}: its liquid feeds the tank"
         problems.add(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)")
-
-
-def stages_schema() -> dict[str, Any]:
-    """Return the JSON Schema (draft 2020-12) of a file of stages; the scenes that it names have their own."""
-    cooled = {"properties": {"kind": {"const": "cooler"}}, "required": ["kind"]}
-    between = mapping({name: leaf_schema(leaf) for name, leaf in LEAVES.items()}, (), section_of(Intercooler).doc) | {
-        "if": cooled,
-        "then": {"required": ["outlet_temperature"]},
-        "else": {"properties": {"outlet_temperature": {"type": "null"}}},
-    }
-    files = {
-        "type": "array",
-        "description": f"the scenes of the {' and the '.join(STAGE_NAMES)} stage, relative to this file",
-        "items": {"type": "string"},
-        "minItems": len(STAGE_NAMES),
-        "maxItems": len(STAGE_NAMES),
-    }
-    more = {f"{BETWEEN}.{name}": leaf for name, leaf in LEAVES.items() if name != "kind"}
-    own = OWN_PARAMETER.replace("^", f"^({'|'.join(STAGE_NAMES)})\\.", 1)
-    properties = {
-        "title": {"type": ["string", "null"]},
-        STAGES_KEY: files,
-        "intercooler": between,
-        "sweep": sweep_schema(names_in_chain, more, own),
-    }
-    schema = {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES_KEY])
-    return schema | {"$defs": axis_definitions()}
 
 
 def explain_stages(chain: StageChain) -> str:

@@ -28,10 +28,12 @@ from screwsim.results.read import SCENE_AT_POINT, read_attributes
 from screwsim.results.schema import Axis, Subject, axes_along, digest, identity_of, numeric_inputs, subject_of
 from screwsim.results.table import InMemory, table_of
 from screwsim.results.write import StageTables, write_tables
+from screwsim.scene.tolerances import tolerance_text
 from screwsim.scene.types import Scene
 from screwsim.scene.values import text_of
 from screwsim.scene.write import quoted, scene_text, sweep_lines
 from screwsim.study.stages.axes import BETWEEN, LEAVES, SOLVED, STAGE_NAMES, leaf_in_chain
+from screwsim.study.stages.tolerances import tolerance_lines
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
@@ -107,7 +109,10 @@ def subject_of_chain(chain: StageChain) -> Subject:
 
 def identity_of_chain(chain: StageChain) -> dict[str, str]:
     """Return what distinguishes the results of one chain from those of another (`results.identity`)."""
-    found = {"values of both stages": digest(repr((chain.intercooler, dict(chain.sweep), chain.joints)))}
+    own = (chain.intercooler, dict(chain.sweep), chain.joints)
+    if chain.uncertain or chain.correlated:
+        own = (*own, dict(chain.uncertain), chain.correlated)
+    found = {"values of both stages": digest(repr(own))}
     for stage, scene in chain.by_stage.items():
         for name, text in identity_of(replace(scene, sweep={}, joints=())).items():
             found[f"{stage} {name}" if name.startswith(OWN_IDENTITY) else name] = text
@@ -122,7 +127,10 @@ def chain_text(chain: StageChain, before: str = "") -> str:
     for name, leaf in LEAVES.items():
         value = getattr(chain.intercooler, name)
         if value is not None:
-            lines.append(f"  {name}: {text_of(leaf, value)}")
+            tolerance = chain.uncertain.get(f"{BETWEEN}.{name}")
+            spread = "" if tolerance is None else tolerance_text(leaf, tolerance)
+            lines.append(f"  {name}: {text_of(leaf, value)}{spread}")
+    lines += tolerance_lines(chain.correlated)
     lines += sweep_lines(chain, lambda name: leaf_in_chain(chain, name))
     return "\n".join(lines) + "\n"
 

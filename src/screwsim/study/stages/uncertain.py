@@ -6,8 +6,8 @@ the stages follows from them: the pressure p is the unknown, and its residual r 
 flow taken (M200), so that an input x moves it by dp/dx = −(∂r/∂x)/(∂r/∂p), the implicit function; temperature and
 vapour behind the first stage follow from its figures and p (M201, M202). Figures of both together are algebra of the
 stages' figures, lines and p: their derivative is a central difference of that algebra along (x, p(x)), over a hundredth
-of the input's standard uncertainty. Inputs of different scenes are independent of each other; what the line between
-both replaces in the scenes has no part in it.
+of the input's standard uncertainty. Inputs of different scenes are independent of each other, but for groups that the
+file of both names; what the line between both replaces in the scenes has no part in it.
 
 Source: JCGM 100:2008 (GUM), section 5, for the propagation.
 """
@@ -24,10 +24,10 @@ from screwsim.scene import Scene, lines, value_at
 from screwsim.scene.lines import Lines
 from screwsim.scene.operation import P_D, P_S, QUALITY, T_S
 from screwsim.study.local import Sensitivities, sensitivities
-from screwsim.study.stages.axes import SOLVED, STAGE_NAMES
+from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.figures import StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.solve import ChainSolver, Stop
-from screwsim.study.uncertain import Tolerances, Uncertainty, groups_of, spreads_of
+from screwsim.study.uncertain import Tolerances, Uncertainty, groups_of, spreads_of, tolerances_of
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
@@ -37,17 +37,6 @@ LINE_PATHS = (P_S, T_S, QUALITY, P_D)  # of a stage at the solution, which state
 INPUT_STEP = 0.01  # of a standard uncertainty
 PRESSURE_STEP = 1e-4  # of the pressure between the stages
 Slopes = dict[str, dict[str, float]]  # derivative [SI] of each figure by each input
-
-
-def tolerances_of(chain: StageChain) -> Tolerances:
-    """Return the tolerances of a chain's inputs, their stage before the path, but for the line that is solved for."""
-    uncertain, correlated = {}, []
-    for stage, scene in chain.by_stage.items():
-        own = {path: each for path, each in scene.uncertain.items() if not path.startswith(SOLVED[stage])}
-        uncertain |= {f"{stage}.{path}": each for path, each in own.items()}
-        groups = (tuple(f"{stage}.{path}" for path in group if path in own) for group in scene.correlated)
-        correlated += [group for group in groups if group]
-    return Tolerances(uncertain, tuple(correlated))
 
 
 def with_uncertainty(chain: StageChain, found: ChainResult) -> ChainResult:
