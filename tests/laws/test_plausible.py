@@ -5,9 +5,10 @@ from pathlib import Path
 import pytest
 from scenes import DROP, make, run
 
-from screwsim.scene import load
+from screwsim.scene import load, loads
 from screwsim.scene.plausible import scene_warnings
 from screwsim.simulate import simulate
+from screwsim.template import new_scene, request_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PLAIN = Path(__file__).parents[1] / "plain" / "r134a.yaml"
@@ -106,3 +107,12 @@ def test_oil_on_which_a_real_gas_condenses_is_told_at_the_front():
     assert not scene_warnings(load(PLAIN))
     dry = load(PLAIN, ("oil_supply.temperature=300 K",), without=("oil_heat",))
     assert not scene_warnings(dry)  # they exchange no heat
+
+
+def test_oil_that_leaves_hotter_than_its_data_reach_is_told():
+    """A third of the bore: the friction of the films warms the little oil that is left."""
+    package = new_scene("air", request_of(displacement="200 m^3/h"))
+    hot = simulate(loads(package, overrides=["oil_supply.orifice_diameter=1 mm"]), trace=False)
+    assert hot.performance.oil_discharge_temperature > 423.15
+    (warning,) = told(hot, "the oil leaves at ")
+    assert warning.endswith("hotter than the data of mineral_46, which end at 150 degC (use more or cooler oil)")

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from screwsim.effects import catalogue
 from screwsim.effects.base import LINES, FlowPath, HeatRate, Plenum, Wall
 from screwsim.effects.parts.usual import WAY_IN, WAY_OUT
+from screwsim.fluid.oils import OILS
 from screwsim.machine.kinds import kind_of
 from screwsim.model.parts import Parts
 from screwsim.outputs import Figures
@@ -136,6 +137,13 @@ def _hot(checked: CheckedCycle) -> Iterator[Doubt]:
         yield Doubt(f"{words} (use more or cooler oil, or a lower pressure ratio)", "discharge_temperature")
 
 
+def _hot_oil(checked: CheckedCycle) -> Iterator[Doubt]:
+    oil, T = checked.scene.oil, checked.found.get("oil_discharge_temperature")
+    if oil is not None and oil.name is not None and T is not None and OILS[oil.name].high < T <= HOTTEST:
+        ends = f"the data of {oil.name}, which end at {in_celsius(OILS[oil.name].high)}"
+        yield Doubt(f"the oil leaves at {in_celsius(T)}, hotter than {ends} (use more or cooler oil)")
+
+
 def _burst(checked: CheckedCycle) -> Iterator[Doubt]:
     peak, line = checked.found.get("peak_pressure"), max(checked.lines.p_s, checked.lines.p_d)
     if not (peak is None or peak <= LARGEST_PRESSURE * line):
@@ -143,7 +151,7 @@ def _burst(checked: CheckedCycle) -> Iterator[Doubt]:
         yield Doubt(f"{what}, which no housing withstands (open the discharge port earlier or wider)", "peak_pressure")
 
 
-DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _burst)
+DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _hot_oil, _burst)
 
 
 def lines_met(parts: Parts) -> set[str]:
