@@ -89,7 +89,7 @@ class Counted:
 PARTS = {  # by their names here: whose they are, and which function
     "cycle": (solving, solving.collocated),
     "composed": (Directions, Directions.of),
-    "moved": (solving, solving.responses),
+    "moved": (solving, solving.closed_with_drive),
     "shifted": (solving, solving.shifted_evaluation),
     "read": (solving, solving._readings_of),
 }

@@ -12,6 +12,7 @@ from screwsim.scene import load
 from screwsim.study.sweep import run_sweep
 
 POINT = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
+T_E, T_C = "operation.evaporating_temperature", "operation.condensing_temperature"
 SPEED = "operation.speed=2500 rpm..3500 rpm"
 
 
@@ -120,6 +121,42 @@ def test_modelica_refuses_another_number_of_inputs_before_it_simulates(command, 
         count = f"{len(over)} input{'s' * (len(over) > 1)} (speed"
         assert answer.code == 2 and answer.err.startswith(f"the map has {count}")
         assert "two (name two with --over, or a sweep over two; fmu takes any number)" in answer.err
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        (["gas.fluid=R454B"], "gas.fluid: is the blend R454B, whose condensing temperature is that of its dew point; "),
+        (["gas.model=ideal"], "gas.model: TESPy's compressor, which takes real gas from one inlet, would be up to "),
+        (["gas.model=ideal", "operation.superheat=0 K"], "gas.model: TESPy's compressor, which takes real gas from o"),
+        ([f"sweep.zip=[{{{T_E}: [-10 degC, 0 degC], operation.superheat: [5 K, 8 K]}}]"], "operation.superheat varies"),
+        ([f"sweep.zip=[{{{T_E}: [-10 degC, 0 degC], operation.speed: [1e3 rpm, 2e3 rpm]}}]"], "operation.speed varies"),
+    ],
+)
+def test_tespy_refuses_what_is_no_machine_of_its_before_it_simulates(command, folder, monkeypatch, changes, told):
+    monkeypatch.setattr("screwsim.export.polynomials.temporary_results", None)  # nothing is simulated
+    swept = [f"sweep.{T_C}=[35 degC, 45 degC]"]
+    swept += [] if "zip" in changes[0] else [f"sweep.{T_E}=[-10 degC, 0 degC]"]
+    words = [word for each in (*swept, *changes) for word in ("--set", each)]
+    answer = command("export", "tespy", str(POINT), *words, "-o", "x.json")
+    assert answer.code == 2 and answer.err.startswith(told)
+
+
+@pytest.mark.parametrize("kind", ["en12900 -o x.csv", "energyplus -o x.idf"])
+@pytest.mark.parametrize(
+    ("file", "path"),
+    [
+        ("paper/point.yaml", "operation.evaporating_temperature"),
+        ("co2/transcritical.yaml", "operation.condensing_temperature"),
+        ("two_stage/air.stages.yaml", "first.operation.evaporating_temperature"),
+    ],
+)
+def test_polynomials_of_a_machine_without_these_temperatures_name_the_maps_it_may_have(
+    command, folder, kind, file, path
+):
+    answer = command("export", *kind.split(), str(POINT.parents[1] / file))
+    told = f"states no {path}, over which these polynomials are (export csv, modelica and fmu take a map over its press"
+    assert answer.code == 2 and told in answer.err
 
 
 def test_loads_of_a_machine_without_profile_are_its_flows(command, folder):

@@ -1,5 +1,6 @@
 """The command `sensitivity --local`: one document, a table that fits a terminal, files, mistakes in one line."""
 
+import csv
 import json
 
 import pytest
@@ -112,11 +113,33 @@ def test_the_linear_uncertainty_is_held_against_a_sample(folder, command):
     assert sampled["figures"]["gas_mass_flow"]["standard"] > 0.0
 
 
+def test_a_sample_has_the_figures_the_seed_and_the_file_that_are_asked_for(folder, command):
+    words = ("sensitivity", "oiled.yaml", *TOLERANT, "--check-sobol", "8", "--jobs", "1", "--figure", "gas_mass_flow")
+    documents = []
+    for seed in ("1", "2"):
+        file = folder / f"sample{seed}.csv"
+        answer = command(*words, "--seed", seed, "-o", str(file), "--json")
+        assert answer.code == 0
+        documents.append(json.loads(answer.out))
+        ((name, figure),) = documents[-1]["sampled"]["figures"].items()
+        (row,) = csv.DictReader(file.read_text(encoding="utf-8").splitlines())
+        assert (row["figure"], row["units"]) == (name, "kg s-1") == ("gas_mass_flow", "kg s-1")
+        assert float(row["sampled"]) == pytest.approx(2.0 * figure["standard"], rel=1e-12)
+        assert float(row["linear"]) == pytest.approx(documents[-1]["figures"][name]["expanded"], rel=1e-12)
+    assert documents[0]["sampled"] != documents[1]["sampled"]
+
+
 @pytest.mark.parametrize(
     ("rest", "told"),
     [
         (("--check-sobol", "8"), "no input has a tolerance"),
         ((*TOLERANT, "--check-sobol", "7"), "is not a power of two"),
+        ((*TOLERANT, "--check-sobol", "8", "--local"), "takes no --local (the scene's tolerances say what varies)"),
+        ((*TOLERANT, "--check-sobol", "8", "--samples", "4"), "takes no --samples"),
+        ((*TOLERANT, "--check-sobol", "8", "--path", "operation.speed=900 rpm..1000 rpm"), "takes no --path"),
+        ((*TOLERANT, "operation.speed", "--check-sobol", "8"), "takes no path"),
+        ((*TOLERANT, "--check-sobol", "8", "-o", "a.txt"), "-o a.txt"),
+        ((*TOLERANT, "--check-sobol", "8", "--figure", "oil_ratoi"), "did you mean 'oil_ratio'"),
     ],
 )
 def test_a_sample_that_cannot_be_is_refused_in_one_line(folder, command, rest, told):

@@ -46,6 +46,22 @@ def test_find_says_the_value_its_error_and_writes_the_scene(sought, command):
     assert load("found.yaml").operation.speed == pytest.approx(3600.0 * RPM)
 
 
+def test_find_says_how_far_tolerances_move_the_value(folder, command):
+    tolerant = ("--set", "effects.tip_leakage.gap=27 um ± 5 um", "--set", "operation.speed=1000 rpm ± 1 %")
+    words = ("find", "oiled.yaml", *tolerant, *SPEED, "--for", "gas_mass_flow=0.3 kg/s")
+    found = command(*words)
+    assert found.code == 0
+    assert "(95 %): tip_leakage.gap 100%" in " ".join(found.out.split())
+    row = json.loads(command(*words, "--json").out)["rows"][0]
+    due = row["uncertainties_by_inputs"]["operation.speed"]["expanded"]
+    assert due > 100.0 * row["uncertainties"]["operation.speed"]
+    swept = ("--set", "sweep.operation.discharge.pressure=[7 bar, 8 bar]", "-o", "rows.csv")
+    assert "± by" in command(*words, *swept).out
+    head, *rows = (folder / "rows.csv").read_text(encoding="utf-8").splitlines()
+    place = head.split(",").index("operation.speed_by_inputs [rad/s]")
+    assert [float(row.split(",")[place]) for row in rows] == pytest.approx([due, due], rel=0.5)
+
+
 def test_find_tells_a_value_and_its_width_in_one_unit(folder, monkeypatch, command):
     def sized(scene):
         figures = Figures(gas_mass_flow=1e3 * scene.machine.volume.max)

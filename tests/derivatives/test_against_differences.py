@@ -1,6 +1,5 @@
 """Derivatives against differences of tightly closed cycles: ideal and real gas, either closing, each kind of way."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +12,10 @@ import screwsim
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.derivatives import solving
+from screwsim.derivatives.around import implied_changes
 from screwsim.derivatives.collocation import FINE
 from screwsim.derivatives.directions import Directions
+from screwsim.derivatives.response import unshifted_evaluation
 from screwsim.derivatives.solving import SceneDerivatives, figures_of
 from screwsim.scene import scene_text, with_values
 from screwsim.scene.fields import value_at
@@ -147,7 +148,7 @@ def test_derivatives_stand_where_the_oils_circuit_closes():
 
 
 def asked_of_surroundings(cycle):
-    return np.abs(solving._implied_changes(solving.unshifted_evaluation(cycle, Directions(cycle)))).max()
+    return np.abs(implied_changes(unshifted_evaluation(cycle, Directions(cycle)))).max()
 
 
 def test_differences_that_stand_in_go_over_no_more_of_an_angle_than_where_figures_are_straight(monkeypatch):
@@ -241,13 +242,3 @@ def test_both_closings_agree_on_how_the_highest_pressure_follows_a_port():
     found = [sensitivities(scene, [path]).relative(figure, path) for scene in ways]
     slope = differenced(ways[0], path, figure, 8e-5, 1e-8)
     assert found == pytest.approx([slope, slope], rel=PEAKED)
-
-
-def test_a_scene_whose_speed_follows_from_a_drive_is_differenced_and_says_so():
-    scene = screwsim.load(CONFIGS / "drive" / "point.yaml")
-    scene = replace(scene, sweep={})
-    path = "effects.tip_leakage.gap"
-    found = sensitivities(scene, [path], ["gas_mass_flow"])
-    assert found.method == {path: "differences"}
-    assert "drive" in found.why[path]
-    assert found.derivatives["gas_mass_flow"][path] < 0.0  # what leaks is not delivered

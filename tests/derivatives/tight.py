@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from screwsim.build import Temperatures, open_temperatures, with_temperatures
 from screwsim.cycle.close import close
 from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
 from screwsim.cycle.problem import ClosingTask, Series, problem_of
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
-from screwsim.effects.base import PressureLosses
+from screwsim.derivatives.around import coordinates, implied_changes, open_coordinates, problem_at, speed_follows
 from screwsim.evaluate.evaluation import Evaluation
-from screwsim.solve.surroundings import KPA, implied_surroundings, unknowns_of
+from screwsim.solve.drive import close_with_drive
+from screwsim.solve.surroundings import implied_surroundings
 
 RTOL, TOLERANCE = 1e-8, 1e-10  # of a step, of a change: differences over 1e-4 are good to 1e-5
 BOUND = 1e-4  # on the balances, which such steps keep anyway
@@ -42,7 +42,8 @@ def closed_tightly(problem, machinery, begun=None, rtol=RTOL, tolerance=TOLERANC
         machinery.composition.P[:] = numbers
         set_lines(problem, machinery, float(begun.ends[0][0]), 0.0)
         set_unknowns(problem, machinery, met)
-    cycle = close_together(ClosingTask(problem, machinery, wanted), chambers_at_pitches(machinery), most=MOST)
+    task = ClosingTask(problem, machinery, wanted)
+    cycle = close_with_drive(task, close_together(task, chambers_at_pitches(machinery), most=MOST))
     if cycle.status != "ok":
         raise NotTight(f"a cycle is {cycle.status} at {rtol:g} a step")
     return Evaluation(problem, cycle.trajectory, cycle.q)
@@ -56,11 +57,9 @@ class Tight:
         self.machinery, self.series, self.how = machinery, Series(), (rtol, tolerance)
         own = problem.criteria.widths  # which follow the pressures of the lines, as those of a solution do
         self.tightened = [a / b if b else 1.0 for a, b in zip(widths or own, own, strict=True)]
-        self.loses = problem.scene.losses is not None  # pressures, in what lies around it
-        lost = (2, 3) if self.loses else ()
-        self.open = [*(i for i, each in enumerate(open_temperatures(problem.scene)) if each), *lost]
-        self.x, self.begun, self.inverse = unknowns_of(problem), None, None
-        base = self._closed(problem.scene, self.x)
+        self.open, self.x, self.begun, self.inverse = open_coordinates(problem), coordinates(problem), None, None
+        self.problem = problem
+        base = self._closed(problem, self.x)
         self.begun = base.life
         if self.open:
             off = self._off(base)
@@ -68,36 +67,33 @@ class Tight:
             for i in self.open:
                 x = self.x.copy()
                 x[i] += AROUND
-                columns.append((self._off(self._closed(problem.scene, x)) - off) / AROUND)
+                columns.append((self._off(self._closed(problem, x)) - off) / AROUND)
             self.inverse = np.linalg.inv(np.array(columns).T)
-        self.base = self.of(problem.scene) if self.open else base
-        self.begun, self.x = self.base.life, unknowns_of(self.base.problem)
+        self.base = self._settled(problem) if self.open else base
+        self.begun, self.x = self.base.life, coordinates(self.base.problem)
 
     def of(self, scene):
         """Return the evaluation of a scene near by."""
+        stated = scene.operation.speed if speed_follows(self.problem) else None
+        return self._settled(problem_of(scene, self.series, stated))
+
+    def _settled(self, problem):
         x = self.x.copy()
-        found = self._closed(scene, x)
+        found = self._closed(problem, x)
         for _ in range(TURNS if self.open else 0):
             off = self._off(found)
             if np.abs(off).max() < AGREED:
                 break
             x[self.open] -= self.inverse @ off
-            found = self._closed(scene, x)
+            found = self._closed(problem, x)
         return found
 
     def _off(self, of):
-        asked = implied_surroundings(of)
-        if asked is None:
+        if implied_surroundings(of) is None:
             raise NotTight("gas and oil do not part")
-        return asked.off[self.open]
+        return implied_changes(of)[self.open]
 
-    def _closed(self, scene, x):
-        if any(open_temperatures(scene)):
-            self.series.surroundings.temperatures = Temperatures(*x[:2].tolist())
-            scene = with_temperatures(scene, self.series.surroundings.temperatures)
-        if self.loses:
-            self.series.surroundings.losses = PressureLosses(*(KPA * x[2:4]).tolist())
-            scene = replace(scene, losses=self.series.surroundings.losses)
-        problem = problem_of(scene, self.series)
+    def _closed(self, problem, x):
+        problem = problem_at(problem, self.series, x)
         widths = tuple(a * b for a, b in zip(self.tightened, problem.criteria.widths, strict=True))
         return closed_tightly(problem, self.machinery, self.begun, *self.how, widths)

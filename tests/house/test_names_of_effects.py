@@ -146,6 +146,7 @@ CHOICES = {  # choices of a scene that decide on more than one place: who holds 
         "cycle/problem.py",
         "model/compose.py",
         "evaluate/cautions.py",
+        "evaluate/late_valves.py",
         "export/loads.py",
         "evaluate/traces.py",
         "explain/__init__.py",

@@ -100,7 +100,22 @@ def test_the_exported_document_states_where_the_bearings_of_each_rotor_are(found
         assert own["discharge_bearing_z"] == ("m", pytest.approx(length + AT["discharge"], rel=1e-15))
         assert own["balance_piston_force"] == ("N", 0.0)
     other = document(loads(scene, found, (0.01, 0.02), (0.0, 0.0)))["supports"]["male"]  # options hold
-    assert other["suction_bearing_z"] == {"units": "m", "value": -0.01}
+    assert other["suction_bearing_z"] == {"units": "m", "value": -0.01, "stated": True}
+
+
+def test_the_exported_document_tells_bearings_that_are_assumed_in_the_end_planes(found):
+    def assumed(scene, *options):
+        told = document(loads(scene, found, *options))["supports"]
+        lacking = [(rotor, name) for rotor, own in told.items() for name, each in own.items() if not each["stated"]]
+        assert all(told[rotor][name]["value"] == 0.0 for rotor, name in lacking if not name.endswith("_z"))
+        return lacking
+
+    bearings = [f"{end}_bearing_{what}" for what in ("z", "distance") for end in ("suction", "discharge")]
+    assert assumed(with_bearings(BOTH)) == []
+    assert assumed(with_bearings(PLAIN | {"male": MALE})) == [("female", name) for name in bearings]
+    bare = with_bearings(BOTH).without("bearings")
+    assert assumed(bare) == [(rotor, name) for rotor in ("male", "female") for name in (*bearings, "shaft_diameter")]
+    assert assumed(bare, (0.0, 0.0), (0.0, 0.0)) == []
 
 
 def test_the_export_takes_no_distances_where_the_scene_names_none():

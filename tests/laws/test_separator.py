@@ -1,5 +1,6 @@
 """Separator and oil cooler: the circuit closes, its temperatures are those of its balance, contradictions are told."""
 
+import re
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 from math import exp, log, pi
@@ -332,7 +333,8 @@ def test_what_contradicts_itself_is_one_fault_at_the_front(case):
 def test_oil_that_comes_back_warmer_than_the_separator_asks_for_heating():
     result = run({**CARRIED, "oil_supply.temperature": "420 K"})
     assert result.status == "ok" and result.performance.oil_cooler_duty < 0.0
-    assert [told for told in result.warnings if "its cooler would have to heat it by " in told]
+    (told,) = (told for told in result.warnings if "its cooler would have to heat it by " in told)
+    assert "oil_supply.temperature" in told and "effects.separator.cooler.outlet_temperature" in told
 
 
 def test_a_thermostat_that_would_have_to_heat_is_idle():
@@ -408,6 +410,19 @@ def test_a_warmer_coolant_makes_the_machine_warmer_only_where_the_thermostat_can
     assert cold == pytest.approx(330.0, abs=0.02) and mild == pytest.approx(330.0, abs=0.02)
     assert days[0][LOAD] < days[1][LOAD] < 0.95 < 1.05 < days[2][LOAD] < days[3][LOAD]
     assert 330.5 < warm < hot - 5.0
+
+
+def test_a_cooler_that_just_misses_tells_the_size_and_the_coolant_that_would_do():
+    """Of the 3 K missed nothing is left; where flows change with the temperature a tenth may be."""
+    size = {"discharge_temperature": "330 K", "conductance": "2 kW/K", "coolant_temperature": "312 K"}
+    missed = run(cooled(size))
+    (told,) = missed.warnings
+    larger, colder = re.search(r"conductance of about (\S+) kW/K, or a coolant of about (\S+) degC\)$", told).groups()
+    assert 2.0 < float(larger) < 6.0 and 273.0 < float(colder) + 273.15 < 312.0
+    for better in ({"conductance": f"{larger} kW/K"}, {"coolant_temperature": f"{colder} degC"}):
+        assert abs(run(cooled(size | better)).performance[MIXED] - 330.0) < 0.1 * (missed.performance[MIXED] - 330.0)
+    far = run(cooled(size | {"conductance": "0.5 kW/K"})).warnings[0]
+    assert far.endswith("(a larger effects.separator.cooler.conductance, or a coolant colder than 38.85 degC)")
 
 
 def test_the_coolant_of_a_package_is_the_air_at_its_inlet():

@@ -11,12 +11,15 @@ from screwsim.explain import explain
 from screwsim.explain.parameters import parameters
 from screwsim.inputs.faults import SceneError
 from screwsim.scene import loads, with_values
+from screwsim.scene.fields import value_at
 from screwsim.simulate import simulate, simulate_many
 from screwsim.study.local import sensitivities
 from screwsim.template import new_scene, request_of
 
 POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 ACCURACY = 3e-4
+SHARE = 1e-3  # of a number, for differences
+SLOPES = 5e-4  # of a slope: with the economizer held, 2 and more
 LINES = {
     "operation.suction": DROP,
     "operation.discharge": DROP,
@@ -122,13 +125,39 @@ def test_an_oil_flow_beside_another_statement_or_out_of_reach_is_told():
     assert told.endswith("times oil_supply.flow is injected (choose another oil_supply.flow)")
 
 
-def test_derivatives_do_not_hold_fixed_what_is_found_with_the_cycle():
-    """By differences of closed cycles: twice the oil is twice the oil, and the power follows it."""
-    scene = make({"oil_supply.ratio": DROP, "oil_supply.flow": "45 L/min"})
-    found = sensitivities(scene, ["oil_supply.flow"], ["oil_mass_flow"])
-    assert found.method["oil_supply.flow"] == "differences" and "found with the cycle" in found.why["oil_supply.flow"]
-    slope = found.derivatives["oil_mass_flow"]["oil_supply.flow"]
-    assert slope == pytest.approx(1000.0, rel=0.02)  # the oil's density
+FLOWING = {"oil_supply.ratio": DROP, "oil_supply.flow": "45 L/min"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "path", "figures"),
+    [
+        (FLOWING, "oil_supply.flow", ("oil_mass_flow", "shaft_power", "isentropic_efficiency")),
+        (AUTO, "operation.condensing_temperature", ("economizer_temperature", "cooling_capacity", "shaft_power")),
+        (OIL, "oil_supply.discharge_temperature", ("oil_ratio", "shaft_power", "mixture_discharge_temperature")),
+        (
+            {**OIL, "effects.economizer.temperature": "auto"},
+            "effects.economizer.area",
+            ("oil_ratio", "economizer_temperature", "cooling_capacity"),
+        ),
+    ],
+)
+def test_exact_derivatives_do_not_hold_fixed_what_is_found_with_the_cycle(changes, path, figures):
+    """Compared with differences of solutions; an economizer that holds its temperature gives other slopes."""
+    scene = make(changes)
+    found, value = sensitivities(scene, [path], figures), value_at(scene, path)
+    step, fine = SHARE * value, with_values(scene, {"numerics.accuracy": 1e-6})
+    high, low = (simulate(with_values(fine, {path: value + by}), trace=False) for by in (step, -step))
+    assert found.method[path] == "exact"
+    for name in figures:
+        slope = (high.performance[name] - low.performance[name]) / (2.0 * step)
+        assert found.derivatives[name][path] == pytest.approx(slope, rel=SLOPES), name
+
+
+def test_where_no_temperature_agrees_derivatives_are_differences_and_say_why():
+    late = make({**AUTO, "effects.economizer.opens": "640 deg", "effects.economizer.closes": "690 deg"})
+    found = sensitivities(late, ["effects.economizer.area"], ["shaft_power"])
+    assert found.method["effects.economizer.area"] == "differences"
+    assert "at an end of its range" in found.why["effects.economizer.area"]
 
 
 def test_both_are_found_together():
@@ -136,6 +165,14 @@ def test_both_are_found_together():
     assert both.status == "ok"
     assert both.performance.mixture_discharge_temperature == pytest.approx(315.0, abs=1e-2)
     assert both.performance.economizer_draw_ratio == pytest.approx(1.0, abs=ACCURACY)
+
+
+def test_a_search_goes_back_from_a_state_without_net_flow_where_nothing_is_implied():
+    """A slow machine: a port as warm as its range ends fills the chambers, and all that was sucked in flows back."""
+    new = loads(new_scene("refrigeration", request_of(condition="2/42 degC", economizer=True)))
+    found = simulate(new.with_({"operation.speed": "300 rpm"}))
+    assert found.status == "ok" and found.performance.gas_mass_flow > 0.0
+    assert found.performance.economizer_draw_ratio == pytest.approx(1.0, abs=ACCURACY)
 
 
 def test_oil_that_cannot_keep_the_temperature_is_warned_of():

@@ -149,6 +149,15 @@ def chooses_between_pairs(x, y):
 
 
 @kernel
+def unpacks_one_of_two(x, y):
+    a, b = (x, y) if x > y else (y, x * y)
+    a, b = (b, a) if a > 1.0 else pair(b, a) if b > 0.0 else (a, 2.0)
+    for k in range(3):
+        b, a = (0.5 * a, b) if k != 1 else swapped_pair(a, x)
+    return a * b - a
+
+
+@kernel
 def calls(x, y):
     a, b = swapped_pair(x * x, y)
     one = three(x, y, 2.0) + three(1.0, 0.5, x) * three(0.3, y, y)

@@ -421,6 +421,16 @@ def test_off_no_and_false_leave_an_effect_out(example, word):
             "sweep.operation.speed: '3000 rpm' is neither a list nor {from, to, count} (write e.g. [3000 rpm])",
         ),
         (
+            "sweep.operation.speed=1000 rpm..3000 rpm",
+            "sweep.operation.speed: '1000 rpm..3000 rpm' is neither a list nor {from, to, count} "
+            "(write {from: 1000 rpm, to: 3000 rpm, count: …})",
+        ),
+        (
+            "sweep.oil_supply.ratio=0.5 .. 3, 6",
+            "sweep.oil_supply.ratio: '0.5 .. 3, 6' is neither a list nor {from, to, count} "
+            "(write {from: 0.5, to: 3, count: 6})",
+        ),
+        (
             "operation.suction.temperature=- 10 C",
             "operation.suction.temperature: '- 10 C' has a space after its sign (write '-10 C')",
         ),

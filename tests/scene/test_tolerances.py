@@ -58,6 +58,8 @@ def read(*changes):
         ("effects.tip_leakage.flow_coefficient", "0.7 ± 0.025 (k=1)", 0.7, Tolerance(0.05)),
         ("effects.tip_leakage.flow_coefficient", "0.7 ± 0.05", 0.7, Tolerance(0.05)),
         ("operation.suction.temperature", "6 degC ± 2 K", 279.15, Tolerance(2.0)),
+        ("operation.discharge.pressure", "7 bar(g) ± 0.1 bar", 801325.0, Tolerance(1e4)),
+        ("operation.discharge.pressure", "7 barg ± 0.1", 801325.0, Tolerance(1e4)),
     ],
 )
 def test_a_tolerance_is_half_of_a_95_percent_interval_or_a_factor(path, text, value, tolerance):
@@ -114,6 +116,12 @@ def test_a_scene_without_tolerances_is_written_as_before():
         ("operation.suction.temperature=279 K ×/÷ 2", "a factor is only for quantities that are positive by nature"),
         ("machine.male_lobes=4 ± 1", "is not written as a whole number"),
         ("numerics.accuracy=3e-4 ± 10 %", "which only values that describe the machine and its operation may have"),
+        (
+            "operation.discharge.pressure=7 bar(g) ± 1 %",
+            "the tolerance '1 %' is a share of a gauge pressure (write its",
+        ),
+        ("operation.discharge.pressure=7 barg ×/÷ 1.1", "a factor is only for quantities that are positive by nature"),
+        ("operation.ambient_pressure=1 bar ± 1 %", "gauge pressures were read relative to it (write theirs instead)"),
         ("sweep.operation.speed=[900 rpm ± 2 rpm]", "has a tolerance of its own (write it after the value of"),
         (TOGETHER, f"'{GAP}' has no tolerance in this scene"),
         ("uncertainty.correlated=[[gap, [1]]]", "a list is not a path"),

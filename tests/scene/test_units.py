@@ -105,9 +105,19 @@ def test_other_units_are_read_with_pint(kind, text, value):
         ),
         ("displacement", "350 CFM", "'350 CFM' is not a displacement (write '350 ft^3/min')"),
         ("speed", "3000 U/min", "'3000 U/min' is not a speed (write '3000 rpm')"),
+        ("power", "200 HP", "'200 HP' is not a power (write '200 hp')"),
+        ("power", "100 tons", "'100 tons' is not a power (write '100 refrigeration_ton')"),
+        (
+            "power",
+            "1200 MBtu/h",
+            "'1200 MBtu/h' is ambiguous: a thousand or a million Btu (write kBtu/h or kW, e.g. '75 kW')",
+        ),
+        ("power", "1200 MBH", "'1200 MBH' is not a power (write '1200 kBtu/h')"),
         ("pressure", "2 Bar", "'2 Bar' is not a pressure (write '2 bar')"),
         ("pressure", "2 bar(a)", "'2 bar(a)' is not a pressure (write '2 bar')"),
         ("pressure", "2 mpa", "'2 mpa' is not a pressure (write e.g. '2 bar')"),  # mPa or MPa
+        ("power", "2 HP", "'2 HP' is not a power (write '2 hp')"),
+        ("pressure_difference", "2 psid", "'2 psid' is not a pressure difference (write '2 psi')"),
         ("power", "2 mw", "'2 mw' is not a power (write e.g. '75 kW')"),
         ("viscosity", "20 MPas", "'20 MPas' is not a viscosity (write e.g. '20 mPa s')"),  # not milli
         ("viscosity", "20 mPas", "'20 mPas' is not a viscosity (write '20 mPa s')"),

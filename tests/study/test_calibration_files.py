@@ -274,6 +274,7 @@ def test_pressures_of_gauges_are_over_the_ambient_one_and_units_those_of_scenes(
         ),
         ("_uncertainty [K]", "_uncertainty [degF]", "unit 'degF' has an offset zero, and this is an uncertainty"),
         ("loss [bar]", "loss [barg]", "unit 'barg' has an offset zero, and this is a difference (write Pa)"),
+        ("[psig]", "[psia]", "discharge_pressure: unit 'psia' is not known (write psi)"),
         ("[psig]", "[pond]", "discharge_pressure: unit 'pond' is not one of its units"),
         ("a,9,130", 'a,9,"130,5"', "discharge_pressure: '130,5' has a decimal comma"),
         ("145,1,", "145,-1,", "points.csv:3:11: discharge_pressure: -1 is out of range"),

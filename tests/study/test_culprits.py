@@ -2,6 +2,7 @@
 
 import os
 import signal
+import threading
 import time
 from functools import partial
 
@@ -22,6 +23,7 @@ from sweep_fakes import (
 )
 
 from screwsim.results import open_results
+from screwsim.study.parallel import parallel_map
 from screwsim.study.sweep import run_sweep
 
 pytestmark = [pytest.mark.around, pytest.mark.usefixtures("one_moment")]
@@ -104,3 +106,11 @@ def test_workers_that_cannot_start_end_the_sweep(tmp_path, monkeypatch):
 
 def dying() -> None:
     os._exit(1)
+
+
+def test_no_thread_of_a_pool_outlives_its_work():
+    # one that ends while the process does makes Python print a traceback
+    before = set(threading.enumerate())
+    for _ in range(5):
+        assert parallel_map(str, 4, died=lambda number: "", jobs=2, failed=lambda answer: False) == list("0123")
+        assert [thread for thread in set(threading.enumerate()) - before if "Manager" in type(thread).__name__] == []

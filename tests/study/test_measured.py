@@ -63,6 +63,13 @@ def test_a_measurement_is_read_with_half_of_its_95_percent_interval(scene, text,
     assert found.standard == (None if standard is None else pytest.approx(standard, rel=1e-12))
 
 
+def test_a_gauge_reads_over_the_scenes_ambient_pressure(scene):
+    high = with_values(scene, {"operation.ambient_pressure": 0.9e5})
+    for text in ("peak_pressure=7 bar(g) ± 0.1 bar", "peak_pressure=7 barg ± 0.1", "peak_pressure=700 kPa(g) ± 10 kPa"):
+        (found,) = read_measured(high, [text])
+        assert (found.value, found.standard) == (pytest.approx(7.9e5, rel=1e-12), pytest.approx(5e3, rel=1e-12))
+
+
 @each_row(
     ("texts", "words"),
     [
@@ -81,6 +88,7 @@ def test_a_measurement_is_read_with_half_of_its_95_percent_interval(scene, text,
         (["discharge_temperature=15 degC ± 1 degC"], "(write kelvin, e.g. ± 2 K)"),
         (["discharge_temperature=59 degF ± 1"], "(write kelvin, e.g. ± 2 K)"),
         (["discharge_temperature=15 degC ± 1 %"], "a percentage of a temperature depends on its zero (write kelvin"),
+        (["peak_pressure=7 barg ± 1 %"], "a percentage of a gauge pressure depends on its zero (write e.g. ± 0.1 bar)"),
         (["shaft_power=12 kW", "shaft_power=13 kW"], "is given twice"),
         (["shaft_power=12 kW ± 1 kW (k=0)"], "k=0 is not a coverage factor (write k=1"),
         (["shaft_power=12 kW ± (k=1)"], "is not FIGURE=VALUE ± UNCERTAINTY"),

@@ -17,7 +17,7 @@ from screwsim.scene import loads
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.local import Sensitivities
 from screwsim.study.optimize import optimize
-from screwsim.study.seek import find
+from screwsim.study.seek import find, find_each, question
 from screwsim.study.sweep import run_sweep
 from screwsim.study.uncertain import FigureUncertainty, Uncertainty
 
@@ -110,6 +110,19 @@ def test_what_was_found_tells_the_goal_and_the_value():
     first, *rows = lines_of(found)
     assert first == "Found: ok, for gas_mass_flow = 0.3 kg/s"
     assert ["value", RATIO, "3"] in [row.split() for row in rows]
+
+
+def test_what_came_nearest_to_a_goal_has_its_unit_and_so_has_the_point_of_the_other_axes():
+    def rising(scene):
+        return figures_of(scene, gas_mass_flow=1e-3 * scene.operation.speed)
+
+    scene = loads(SCENE).with_({"sweep.operation.suction.temperature": ["280 K"]})
+    asked = question(scene, ["operation.speed=500 rpm..3000 rpm"], ["gas_mass_flow=5 kg/s"])
+    (found,) = find_each(scene, asked, jobs=1, simulate=rising)
+    rows = [row.split(maxsplit=2) for row in lines_of(found)]
+    assert found.status == "none"
+    assert ["value", "operation.speed", "3000 rpm"] in rows
+    assert ["at", "operation.suction.temperature", "6.85 °C"] in rows
 
 
 def test_a_calibration_tells_parameters_and_how_sure_they_are(tmp_path):

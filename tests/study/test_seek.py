@@ -10,8 +10,8 @@ from seek_fakes import RPM, edged, figures_of, leaping, saturating, torn, turnin
 
 import screwsim
 from screwsim.inputs.faults import UsageError
-from screwsim.scene import loads, with_values
-from screwsim.study.goals import read_figure
+from screwsim.scene import loads, value_at, with_values
+from screwsim.study.goals import read_bounds, read_figure, read_goals
 from screwsim.study.scene_files import write_found
 from screwsim.study.seek import find, find_each, question
 from screwsim.template import new_scene, request_of
@@ -193,6 +193,10 @@ def test_no_size_meets_a_goal_of_a_figure_that_the_size_does_nothing_to(flow):
             ["specific_power=6 kW/m3/min"],
             "--for specific_power=6 kW/m3/min: specific_power has no unit 'kW/m3/mi",
         ),
+        ([RANGE], ["peak_pressure=100 psia"], "--for peak_pressure=100 psia: unit 'psia' is not known (write psi)"),
+        ([RANGE], ["displacement_flow=9 CFM"], "--for displacement_flow=9 CFM: unit 'CFM' is not known (write ft^"),
+        ([RANGE], ["shaft_power=9 HP"], "--for shaft_power=9 HP: unit 'HP' is not known (write hp)"),
+        ([RANGE], ["peak_pressure=7 barg"], "--for peak_pressure=7 barg: unit 'barg' is a gauge pressure (write"),
         ([RANGE], ["gas_mass_flow"], "--for gas_mass_flow: is not FIGURE=VALUE (write e.g. --for 'cooling_capacity="),
         ([RANGE], ["gas ma flow=1 kg/s"], "--for gas ma flow: is not known; did you mean 'gas_mass_flow'?"),
         (
@@ -238,6 +242,15 @@ def test_a_goal_has_any_unit_of_the_dimension_of_its_figure(figure, stated, valu
     assert read_figure(figure, stated, "--for") == pytest.approx(value, rel=1e-12)
 
 
+def test_a_goal_and_a_bound_of_a_gauge_are_over_the_scenes_ambient_pressure():
+    high = with_values(scene(), {"operation.ambient_pressure": 0.9e5})
+    (goal,) = read_goals(high, ["peak_pressure=7 bar(g)"])
+    (bound,) = read_bounds(high, ["peak_pressure<7 barg"])
+    assert goal.value == bound.value == pytest.approx(7.9e5, rel=1e-12)
+    (named,) = question(high, [RANGE], {"peak_pressure": "7 barg"}).goals
+    assert named == goal
+
+
 @pytest.mark.parametrize("overrides", [[], ["oil_supply.ratio=2", "effects.interlobe_leakage=off"]])
 def test_the_scene_found_is_written_over_its_base(tmp_path, overrides):
     file = CONFIGS / "paper" / "point.yaml"
@@ -272,3 +285,40 @@ def test_a_scene_of_another_size_says_so_in_its_title(tmp_path):
     again = screwsim.load(path)
     assert again.title.endswith("600 m^3/h at 2950 rpm; resized: machine.displacement.flow = 1250 m^3/h")
     assert again.machine.displacement.flow == pytest.approx(1250.0 / 3600.0, rel=1e-12)
+
+
+def test_the_uncertainty_of_a_value_by_tolerances_is_that_of_other_searches():
+    gaps = ("effects.tip_leakage.gap", "effects.interlobe_leakage.gap")
+    stated = {"oil_supply.ratio": "3 ± 10 %", gaps[0]: "27.5 um ± 5 um", gaps[1]: "29.5 um ± 5 um"}
+    tolerant = screwsim.load(
+        CONFIGS / "paper/point.yaml",
+        [
+            *(f"{path}={text}" for path, text in stated.items()),
+            f"{SPEED}=1000 rpm ± 1 %",  # of what is sought: it has no part
+            f"uncertainty.correlated=[[{gaps[0]}, {gaps[1]}]]",
+            "numerics.accuracy=1e-6",
+        ],
+    )
+
+    def sought(changed: dict[str, float]):
+        goals = ["gas_mass_flow=0.3 kg/s", "discharge_temperature=15 degC"]
+        vary = [f"{SPEED}=1000 rpm..3000 rpm", "oil_supply.temperature=275 K..300 K"]
+        return find(with_values(tolerant, changed), vary, goals, progress=False)
+
+    found = sought({})
+    for path, spread in found.by_inputs.items():
+        assert {each.paths for each in spread.contributors} == {gaps, ("oil_supply.ratio",)}
+        for each in spread.contributors:
+            standard = {one: tolerant.uncertain[one].standard_at(float(value_at(tolerant, one))) for one in each.paths}
+            ends = []
+            for way in (0.5, -0.5):
+                off = {one: float(value_at(tolerant, one)) + way * size for one, size in standard.items()}
+                ends.append(sought(off).values[path])
+            assert each.change == pytest.approx(2.0 * (ends[0] - ends[1]), rel=0.02)
+    assert set(found.by_inputs) == set(found.values)
+
+
+def test_without_tolerances_of_others_a_value_has_none_by_them():
+    tolerant = scene().with_({SPEED: "1000 rpm ± 1 %"})
+    found = find(tolerant, [RANGE], ["gas_mass_flow=1.2 kg/s"], simulate=saturating)
+    assert (found.by_inputs, found.message) == ({}, "")

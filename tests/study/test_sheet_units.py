@@ -8,6 +8,7 @@ import pytest
 
 import screwsim
 from screwsim.cli import exit_code
+from screwsim.figures import known
 from screwsim.study.datasheet import (
     SheetOptions,
     air_rating,
@@ -18,7 +19,7 @@ from screwsim.study.datasheet import (
     sheet_of,
 )
 from screwsim.study.datasheet.air_year import Demand
-from screwsim.study.datasheet.bounds import limits_of
+from screwsim.study.datasheet.bounds import limit_text, limits_of
 from screwsim.study.datasheet.units import METRIC, US
 from screwsim.study.stages import read_stages
 from screwsim.template import new_scene, request_of
@@ -131,6 +132,20 @@ def test_two_stages_are_in_us_units_throughout(file, some):
     ):
         assert near(rows[row][0], factor * first[figure], step) and near(rows[row][1], factor * second[figure], step)
     assert near(rows["discharge temperature [°F]"][1], fahrenheit(second["discharge_temperature"]), 0.1)
+
+
+def test_a_limit_of_any_dimension_is_in_us_units():
+    of_rotors = (
+        ("shaft_torque", 100.0, "73.76 lbf ft"),
+        ("displacement", 1e-3, "61.02 in³"),
+        ("tip_gap", 25.4e-6, "0.001 in"),
+    )
+    of_gas = ("trapped_mass", 1e-3, "0.002205 lb"), ("work_per_cycle", 1000.0, "737.6 ft lbf")
+    of_cycles = ("volumetric_cooling_capacity", 1e6, "26.84 Btu/ft³"), ("discharge_superheat", 15.0, "27 °F")
+    for figure, value, text in (*of_rotors, *of_gas, *of_cycles):
+        assert limit_text(figure, value, US) == text
+    metric = {about.units for about in known().values()} - {"1", "K", "kelvin"} - set(US.other)
+    assert metric == {"s", "rad", "rad s-1", "Hz"}  # which are the same in the United States
 
 
 def own_stages(sheet):

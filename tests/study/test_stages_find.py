@@ -130,7 +130,31 @@ def test_a_goal_beyond_the_ranges_says_how_near_the_search_came(plant):
     [
         (FIRST, "gas_mass_flow=1 kg/s", f"--vary {FIRST}: has no range (write {FIRST}=LOW..HIGH"),
         ("operation.speed=1 rpm..2 rpm", "gas_mass_flow=1 kg/s", "starts with none of first., second., intercooler."),
-        (RANGES[0], "volumetric_efficiency=0.9", "--for volumetric_efficiency: is not a figure of these two stages"),
+        (
+            "intermediate_pressure=1 bar..2 bar",
+            "gas_mass_flow=1 kg/s",
+            "is a figure, which follows from the inputs (vary",
+        ),
+        (
+            "low.speed=1 rpm..2 rpm",
+            "gas_mass_flow=1 kg/s",
+            "(write e.g. first.operation.speed or second.operation.speed)",
+        ),
+        (
+            RANGES[0],
+            "volumetric_efficiency=0.9",
+            "is a figure of one stage, not of these two together (use one of inter",
+        ),
+        (
+            RANGES[0],
+            "first.peak_pressure=9 bar",
+            "is a figure of one stage, not of these two together (use one of inter",
+        ),
+        (
+            RANGES[0],
+            "second.shaft_power=9 kW",
+            "--for second.shaft_power: is not known; did you mean 'second_shaft_power'?",
+        ),
     ],
 )
 def test_a_question_that_makes_no_sense_is_one_line(plant, vary, goal, told):

@@ -279,7 +279,7 @@ def test_what_a_search_of_two_stages_has_not_is_one_line(plant, capsys, option):
 
 
 def test_a_figure_that_two_stages_have_not_is_one_line(plant):
-    with pytest.raises(UsageError, match="--figure volumetric_efficiency: is not a figure of these two stages"):
+    with pytest.raises(UsageError, match="--figure volumetric_efficiency: is a figure of one stage, not of these two"):
         question(read_stages(plant()), f"{SPEED}=1 rpm..2 rpm", "volumetric_efficiency")
 
 

@@ -112,10 +112,14 @@ def test_a_solution_of_both_is_a_sample(plant, capsys):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["--check-sobol", "8"], "stages have no --check-sobol (study one of the two scenes instead)"),
+        (["--check-sobol", "8"], "no input has a tolerance"),
         (["--local", "-o", "a.h5"], "-o a.h5: derivatives of two stages are a table (write -o a.csv)"),
+        (["--local", "-o", "a.txt"], "-o a.txt: derivatives of two stages are a table (write -o a.csv)"),
         (["--local", "operation.speed"], "operation.speed: starts with none of first., second., intercooler."),
-        (["--local", "first.oil_supply.orifice_diameter"], "is not stated, or follows from others"),
+        (
+            ["--local", "first.oil_supply.orifice_diameter"],
+            "is not stated in the first scene (state it, or leave it out)",
+        ),
         (["--local", "first.operation.discharge.pressure"], "belongs to the discharge line, which follows from"),
     ],
 )

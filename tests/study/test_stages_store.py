@@ -155,7 +155,13 @@ def test_files_are_compared_by_the_figures_of_both_and_of_each(folder, tmp_path)
     found = screwsim.compare(one, slower)
     assert not found.equal
     assert set(found.scene) == {"first.operation.speed"}
-    assert next(each for each in found.figures if each.figure == "shaft_power").beyond == 1
+    changes = {each.figure: each for each in found.figures}
+    assert changes["shaft_power"].beyond == 1
+    mismatch = changes["flow_mismatch"]  # a residual: as far as it may be off in either file it is the same
+    assert mismatch.change and not mismatch.beyond
+    assert mismatch.error == pytest.approx(
+        sum(each.accuracy.item() for each in map(screwsim.open_results, (one, slower)))
+    )
     in_sweep = screwsim.compare(slower, sweep)
     assert (in_sweep.common, in_sweep.compared, in_sweep.equal) == (1, 1, True)
 

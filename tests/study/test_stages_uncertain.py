@@ -102,6 +102,17 @@ def test_inputs_that_err_together_in_one_scene_add_before_they_are_squared(plant
 
 
 @pytest.mark.around
+def test_a_sample_of_both_stages_spreads_as_far_as_the_linear_estimate(plant, capsys):
+    words = ["sensitivity", str(plant()), "--check-sobol", "16", "--jobs", "1", "--figure", "gas_mass_flow", "--json"]
+    assert exit_code(words) == 0
+    document = json.loads(capsys.readouterr().out)
+    linear = document["figures"]["gas_mass_flow"]["standard"]
+    # by the standard error of a deviation of sixteen, 1/√(2 · 15)
+    assert document["sampled"]["figures"]["gas_mass_flow"]["standard"] == pytest.approx(linear, rel=0.2)
+    assert document["sampled"]["figures"]["gas_mass_flow"]["wrong"] == ""
+
+
+@pytest.mark.around
 def test_the_command_prints_it_and_the_file_has_it_for_both_and_for_each(plant, tmp_path, capsys):
     path, out = plant(), tmp_path / "out.h5"
     assert exit_code(["run", str(path), "-o", str(out)]) == 0

@@ -7,8 +7,11 @@ import pytest
 
 import screwsim
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Result
 from screwsim.scene.fields import value_at
-from screwsim.study.uncertain import _drawn_inputs, checked_by_sample, uncertainty
+from screwsim.study import sampled
+from screwsim.study.sampled import checked_by_sample, drawn_inputs
+from screwsim.study.uncertain import uncertainty
 
 POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 SPEED, VOLUME, GAP = "operation.speed", "machine.volume.max", "effects.tip_leakage.gap"
@@ -50,13 +53,40 @@ def test_a_sample_agrees_where_figures_are_linear_and_warns_where_they_are_not()
     assert found.sampled["oil_ratio"].wrong  # a lognormal of that width spreads 1.8 times as far as its logarithm
 
 
+def test_a_sample_of_which_a_part_has_no_figures_is_that_of_the_others(monkeypatch):
+    scene = screwsim.load(POINT, [f"{GAP}=27.5 um ± 2 um", "numerics.error=none"])
+    linear, whole = uncertainty(scene), sampled._result_at
+    part = checked_by_sample(scene, linear, 8, jobs=1)
+    assert part.message == "" and part.sampled
+
+    def fails(first: int):
+        def result(of, points, number):
+            return Result("failed", "too hot (cool it)") if number < first else whole(of, points, number)
+
+        monkeypatch.setattr(sampled, "_result_at", result)
+        return checked_by_sample(scene, linear, 8, jobs=1)
+
+    found = fails(2)
+    assert found.message.startswith("2 of 8 samples have no figures: failed: too hot")
+    flows = [whole(scene, drawn_inputs(scene, 8), number).performance["gas_mass_flow"] for number in range(2, 8)]
+    assert found.sampled["gas_mass_flow"].mean == pytest.approx(np.mean(flows), rel=1e-4)
+    assert not fails(5).sampled  # three of eight say nothing
+
+
+def test_a_superheat_that_is_rounding_is_not_called_wrong(request):
+    base = request.config.rootpath / "configs/ammonia/flooded.yaml"
+    scene = screwsim.load(base, ["operation.evaporating_temperature=-10 degC ± 0.5 K", "numerics.error=none"])
+    found = checked_by_sample(scene, uncertainty(scene), 8, jobs=1).sampled["suction_superheat"]
+    assert 0.0 < found.mean < 2e-6 and found.wrong == ""
+
+
 def test_a_sample_has_the_moments_that_the_tolerances_state():
     """Three err together, one of them by a factor: means, standard uncertainties and correlations are as asked."""
     radius, ratio = "effects.oil_heat.droplet_radius", "oil_supply.ratio"
     together = f"uncertainty.correlated=[[{GAP}, {SPEED}, {radius}]]"
     given = [f"{GAP}=27.5 um ± 5 um", f"{SPEED}=1000 rpm ± 3 %", f"{radius}=9.5 um ×/÷ 2", f"{ratio}=3 ± 10 %"]
     scene = screwsim.load(POINT, [*given, together])
-    drawn = _drawn_inputs(scene, 1024)
+    drawn = drawn_inputs(scene, 1024)
     deviations = []
     for path, tolerance in scene.uncertain.items():
         nominal = float(value_at(scene, path))

@@ -107,6 +107,28 @@ def test_reeds_open_once_and_shut_before_much_flows_back(stated):
         assert lift.max() > 0.9
 
 
+@pytest.mark.parametrize(
+    ("condition", "side", "mass", "told"),
+    [
+        (("-23 degC", "35 degC"), "discharge", 1.0, True),  # it bounces off its seat at the dead centre
+        (("-23 degC", "30 degC"), "discharge", 1.0, False),
+        (("-23 degC", "35 degC"), "discharge", 0.5, False),
+        (("-10 degC", "40 degC"), "suction", 25.0, True),
+    ],
+)
+def test_a_reed_through_which_much_flows_back_is_told_with_how_much(condition, side, mass, told):
+    scene = new_valves.scene_of({"fluid": "R404A", "condition": "-10/40 degC, 20 K"})
+    own = getattr(scene.effects["reed_valves"].parameters, f"{side}_mass")
+    temperatures = (f"operation.{name}_temperature" for name in ("evaporating", "condensing"))
+    changes = dict(zip(temperatures, condition, strict=True))
+    result = screwsim.simulate(scene.with_({**changes, f"effects.reed_valves.{side}_mass": f"{1e3 * mass * own} g"}))
+    back, _ = new_valves.backflow(result, side)
+    said = [each for each in result.warnings if f"flowed back through the {side} valve" in each]
+    assert result.status == "ok" and bool(said) is told is (back > 0.05)
+    if told:
+        assert 1e-2 * float(said[0].partition("%")[0]) == pytest.approx(back, abs=0.01)  # in whole percent
+
+
 def test_valves_cost_little_where_the_head_has_room_and_more_where_it_has_none():
     """Loss goes as the velocity squared: ammonia at 1450 rpm has room, R404A at 2950 rpm has none."""
     small, large = (

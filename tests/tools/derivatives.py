@@ -5,7 +5,7 @@
     python tests/tools/derivatives.py --again PAIRS … [-o …] [--misses …]
 
 Scenes are drawn around shipped ones and the structures of `effects_space`, from number `OF_CONFIGS` on around all of
-configs/ (without their drives). Their numbers differ by up to a tenth; they are closed by waveform relaxation
+configs/. Their numbers differ by up to a tenth; they are closed by waveform relaxation
 (`histories`) and by coupled chambers in turn. A few numbers of each scene are chosen, and each figure's derivative is
 compared with differences of cycles closed with the step tolerance `RTOL` and the same regularisation; the surroundings
 of the machine are solved again for each. Central differences over one, two and four times `STEP` are extrapolated twice
@@ -82,8 +82,7 @@ def scene_of(number: int, seed: int, accuracy: float | None = None) -> tuple[str
     closing = CLOSINGS[(number + number // len(names)) % 2]
     changes = [f"numerics.closing={closing}", *([f"numerics.accuracy={accuracy}"] if accuracy else [])]
     if number >= OF_CONFIGS:
-        base = load(ROOT / name, changes)
-        base = replace(base, effects={key: each for key, each in base.effects.items() if key != "drive"}, sweep={})
+        base = replace(load(ROOT / name, changes), sweep={})
     elif name in SHIPPED:
         base = load(ROOT / SHIPPED[name], changes)
     else:

@@ -136,6 +136,12 @@ def current_coordinates(scene: Scene) -> list[float | None]:
     return [one.stands for one in _open(scene).values()]
 
 
+def at_an_end(scene: Scene) -> bool:
+    """Tell whether a coordinate is at an end of its range, where it follows from no figure."""
+    places = zip(coordinate_ranges(scene), current_coordinates(scene), strict=True)
+    return any(x is not None and span.at_end(x) for span, x in places)
+
+
 def with_coordinates(scene: Scene, at: Sequence[float]) -> Scene:
     """Return a scene with its coordinates at the given values, limited to their ranges."""
     effects = {**scene.effects}

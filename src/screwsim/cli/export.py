@@ -61,6 +61,13 @@ def _announce_compressor(scene: Varied, inputs: Sequence[Input]) -> None:
     _announce_map(scene, inputs)
 
 
+def _announce_tespy(scene: Varied, inputs: Sequence[Input]) -> None:
+    from screwsim.export.tespy import check_scene
+
+    check_scene(scene)
+    _announce_map(scene, inputs)
+
+
 def _announce_map(scene: Varied, inputs: Sequence[Input]) -> None:
     from screwsim.study.inputs import shown_range
 
@@ -221,7 +228,7 @@ def tespy(
 
     refuse_stages(source, ONE_MACHINE)
     protect_other_json(output, "for", "fluid", "maps")
-    with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
+    with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_tespy) as results:
         document = tespy_document(results)
     rows = [(each["at"], [each["largest_error"][name] for name in FIGURES]) for each in document["maps"]]
     if any(sum(each["dissipation_ratio_range"]) < 0.0 for each in document["maps"]):

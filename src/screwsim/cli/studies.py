@@ -16,7 +16,6 @@ from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.screen import say
 
 if TYPE_CHECKING:
-    from screwsim.scene import Scene
     from screwsim.study.varied import Varied
 
 
@@ -114,12 +113,12 @@ def sensitivity(
     as_json: bool = AS_JSON,
 ) -> int:
     """Rank the inputs that a figure depends on: Sobol indices over ranges, or derivatives at the point (--local)."""
-    from screwsim.scene import Scene
-
     scene = options.base_point(options.loaded_scene_or_stages(scene_file, "study", overrides, without), scene_file)
-    if check_sobol is not None and isinstance(scene, Scene):
-        return _print_checked_uncertainty(scene, check_sobol, jobs, as_json)
-    options.refuse_for_stages(scene_file, "study", {"--check-sobol": check_sobol is not None})
+    if check_sobol is not None:
+        others = {"--local": local, "path": places, "--path": paths, "--samples": samples}
+        if other := options.first_given(others):
+            raise UsageError(f"--check-sobol {check_sobol}: takes no {other} (the scene's tolerances say what varies)")
+        return _checked_uncertainty(scene, check_sobol, seed, figures or (), output, jobs, as_json)
     if local:
         if paths:
             raise UsageError(f"--path {paths[0]}: --local takes no ranges (name the path alone, without --path)")
@@ -151,17 +150,26 @@ def sensitivity(
     return OK if not found.message else NOT_ALL_OK
 
 
-def _print_checked_uncertainty(scene: Scene, count: int, jobs: int | None, as_json: bool) -> int:
-    """Print the linear uncertainties of a scene's figures beside those of a sample of its inputs."""
-    from screwsim.printing.uncertain import check_document, print_check
-    from screwsim.study.uncertain import checked_by_sample, uncertainty
+def _checked_uncertainty(
+    of: Varied, count: int, seed: int, figures: Sequence[str], output: File, jobs: int | None, as_json: bool
+) -> int:
+    """Print and write the linear uncertainties of figures beside those of a sample of the inputs."""
+    from screwsim.printing.uncertain import check_document, print_check, write_check
+    from screwsim.study.figures import figure_of
+    from screwsim.study.sampled import checked_by_sample, linear_uncertainty, refuse_count
 
-    linear = uncertainty(scene, jobs=jobs)
-    if linear.slopes.result.status == "ok":
-        linear = checked_by_sample(scene, linear, count, jobs=jobs, progress=options.progress_bar("samples"))
-    options.print_document_or_text(as_json, check_document, print_check, scene, linear)
-    ended = linear.slopes.result.status == "ok" and not linear.message
-    return OK if ended else NOT_ALL_OK
+    options.check_columns(output, "linear and sampled uncertainties", "figure", "linear", "sampled")
+    names = [figure_of(of, name) for name in figures]
+    refuse_count(count)
+    found = linear_uncertainty(of, names, jobs=jobs)
+    if found.slopes.result.status == "ok":
+        shown = options.progress_bar("samples")
+        found = checked_by_sample(of, found, count, seed=seed, jobs=jobs, progress=shown)
+    options.print_document_or_text(as_json, check_document, print_check, of, found)
+    if output is not None and found.sampled:
+        write_check(output, found)
+        options.print_files([output], as_json)
+    return OK if found.slopes.result.status == "ok" and not found.message else NOT_ALL_OK
 
 
 def _local_sensitivity(
@@ -173,10 +181,9 @@ def _local_sensitivity(
     from screwsim.study.figures import figure_of
     from screwsim.study.local import sensitivities
 
+    if output is not None and not isinstance(scene, Scene) and output.suffix.lower() != ".csv":
+        raise UsageError(f"-o {output}: derivatives of two stages are a table (write -o {output.with_suffix('.csv')})")
     if output is not None and output.suffix.lower() == ".h5":
-        if not isinstance(scene, Scene):
-            good = output.with_suffix(".csv")
-            raise UsageError(f"-o {output}: derivatives of two stages are a table (write -o {good})")
         options.check_place(output)
     else:
         options.check_columns(output, "local sensitivities", "figure", "path", "number", "derivative")

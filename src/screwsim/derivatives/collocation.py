@@ -218,8 +218,10 @@ def _closed(
     raise NotClosed(f"the collocated cycle leaves a residual of {size:.1g} open")
 
 
-def linearised(cycle: CollocatedCycle, changes: Sequence[ArgumentChange], injected: DirectEffects) -> LinearisedCycle:
-    """Return the cycle's responses to changes and to its unknowns.
+def linearised(
+    cycle: CollocatedCycle, changes: Sequence[ArgumentChange], injected: DirectEffects, back: Array | None = None
+) -> LinearisedCycle:
+    """Return the cycle's responses to changes and to its unknowns; `back` may be given where it is known.
 
     `injected` are the changes of states and cells by the injection, one column for each change (…, changes). All
     are computed together, as rates side by side, followed through the slices in one pass, cost less.
@@ -230,7 +232,7 @@ def linearised(cycle: CollocatedCycle, changes: Sequence[ArgumentChange], inject
     linear = LinearisedPitch(pitch, Y, cycle.slopes, [*unknowns, *changes], injected, borders(pitch, Y))
     of_unknowns, of_changes = slice(len(unknowns_in)), slice(len(unknowns_in), None)
     by_unknowns, by_changes = linear.first.of(of_unknowns), linear.first.of(of_changes)
-    back = unknowns_response(cycle, by_unknowns, 0)
+    back = unknowns_response(cycle, by_unknowns, 0) if back is None else back
     return LinearisedCycle(by_changes, by_unknowns, back, _stated_unknowns(back))
 
 

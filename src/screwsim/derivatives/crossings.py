@@ -13,7 +13,7 @@ from screwsim.derivatives.phases import border_crossings
 from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.slices import CORNER_LAYER, SHARES, Crossing, share_before
 from screwsim.effects.base import FlowPath
-from screwsim.model.slots import FIRST_OWN, P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PORT_STATE, PRESSURE
+from screwsim.model.slots import P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PORT_STATE, PRESSURE
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.roots import bracketed, brentq
 
@@ -100,8 +100,7 @@ def _reversals(pitch: CollocatedPitch, angles: Array, wide: Array, p: Array) -> 
         number = parts.number(path.to) if of_port else 0
         passes = reaching.get(number) if of_port else passing.get(path.offset)
         if passes is None and of_port:
-            beyond = [_line_pressure(life, number, angle) for angle in angles.tolist()]
-            passes = reaching[number] = _sign_changes(p - beyond)
+            passes = reaching[number] = _sign_changes(p - _line_pressures(life, number, angles))
         elif passes is None:  # ahead of the last chamber is the discharge, treated as a port
             passes = passing[path.offset] = _sign_changes(p[: c.chambers - path.offset] - p[path.offset :])
         if not len(passes[0]):
@@ -123,12 +122,9 @@ def _sign_changes(drops: Array) -> tuple[Any, ...]:
     return np.nonzero(drops[:, :-1] * drops[:, 1:] < 0.0)
 
 
-def _line_pressure(life: Trajectory, number: int, angle: float) -> float:
-    """Return the pressure [Pa] at a port to a line at an angle [rad], which may pulsate with the lobes (M185)."""
-    c, pressure = life.composition, float(life.R[number * PORT_STATE + PRESSURE])
-    if not c.pulsating or number >= FIRST_OWN:
-        return pressure
-    return pressure * (1.0 + sum(life.module.line_pulse(number, angle, c.P)))
+def _line_pressures(life: Trajectory, number: int, angles: Array) -> Array:
+    """Return the pressures [Pa] at a port to a line at angles [rad], which may pulsate with the lobes (M185)."""
+    return float(life.R[number * PORT_STATE + PRESSURE]) * (1.0 + life.line_pulses(number, angles).sum(axis=1))
 
 
 def _located(life: Trajectory, turns: list[FlowReversal]) -> list[Crossing]:
@@ -160,14 +156,15 @@ def _pressure_differences(life: Trajectory, turns: list[FlowReversal]) -> Callab
     sides = [turn.own for turn in turns] + [turn.beyond for turn in turns]
     starts = np.array([np.nan if side.start is None else side.start for side in sides])
     chambers, found = np.flatnonzero(np.isfinite(starts)), np.empty(len(sides))
-    lines = [(i, side.line) for i, side in enumerate(sides) if side.start is None]
+    to_line = np.array([-1 if side.start is not None else side.line for side in sides])
+    lines = [(number, np.flatnonzero(to_line == number)) for number in np.unique(to_line[to_line >= 0]).tolist()]
 
     def drop(angles: Array) -> Array:
         at = (starts + np.append(angles, angles))[chambers]
         order = np.argsort(at, kind="stable")
         found[chambers[order]] = life.pressures_at(at[order])
-        for i, line in lines:
-            found[i] = _line_pressure(life, line, float(angles[i - len(angles)]))
+        for number, rows in lines:
+            found[rows] = _line_pressures(life, number, angles[rows - len(angles)])
         return found[: len(angles)] - found[len(angles) :]
 
     return drop

@@ -16,6 +16,7 @@ from screwsim.derivatives.collocation import CollocatedCycle, LinearisedCycle, l
 from screwsim.derivatives.linear import ArgumentChange, DirectEffects
 from screwsim.derivatives.pitch import RateNumbers
 from screwsim.inputs.faults import UsageError
+from screwsim.model import speed
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, R_RATIO, R_SIZE
 from screwsim.numerics.identity_cache import once
@@ -44,6 +45,15 @@ class Direction(NamedTuple):
     cells: Array
     stated: Array
 
+    def with_parameters(self, at: slice, change: Array) -> "Direction":
+        """Return the direction with a change of parameters per unit of it added, at places in P."""
+        side, numbers = self.side, self.change.numbers
+        there, moved = side.P.copy(), numbers.P.copy()
+        there[at] += self.step * change
+        moved[at] += change
+        by = self.change._replace(numbers=numbers._replace(P=moved))
+        return self._replace(side=side._replace(P=there), change=by)
+
 
 class Directions:
     """Directions of a collocated cycle; a spare machinery holds the numbers of shifted scenes."""
@@ -53,6 +63,7 @@ class Directions:
         self.spare = Machinery(machinery.composition, machinery.module, ROOM)
         base = cycle.pitch.problem.composition
         self.breakpoints = machinery.pitch_breakpoints()
+        self._back: Array | None = None
         self.life = cycle.pitch.life(cycle.start, cycle.nodes)
         c = machinery.composition
         width = base.P[base.widths]
@@ -89,6 +100,7 @@ class Directions:
         machinery.begin(problem.composition)
         P, c = machinery.composition.P, machinery.composition
         P[c.widths] *= self.tightened
+        P[speed.curve_places(c)] = self.cycle.at.P[speed.curve_places(c)]
         set_lines(problem, machinery, float(self.cycle.start[0]), 0.0)
         given = entries.coordinates(unknowns(problem, machinery))
         return self._with_unknowns(problem, unknowns_in, c.TAB), given
@@ -153,15 +165,17 @@ class Directions:
         (y, cells), (y_below, cells_below) = sides
         return (y - y_below) / (2.0 * step), (cells - cells_below) / (2.0 * step)
 
-
-def along(cycle: CollocatedCycle, directions: Sequence[Direction]) -> LinearisedCycle:
-    """Return the cycle linearised along directions, a column each; directions without effect are skipped."""
-    felt = [j for j, each in enumerate(directions) if not each.change.nothing or each.start.any() or each.cells.any()]
-    some = [directions[j] for j in felt] or directions[:1]
-    start, cells = (np.stack([getattr(each, name) for each in some], axis=-1) for name in ("start", "cells"))
-    found = linearised(cycle, [each.change for each in some], DirectEffects(start, cells))
-    if len(some) == len(directions):
-        return found
-    among = np.zeros((len(some), len(directions)))
-    among[range(len(felt)), felt] = 1.0
-    return found._replace(by_changes=found.by_changes.weighted(among))
+    def along(self, directions: Sequence[Direction]) -> LinearisedCycle:
+        """Return the cycle linearised along directions, a column each; directions without effect are skipped."""
+        felt = [
+            j for j, each in enumerate(directions) if not each.change.nothing or each.start.any() or each.cells.any()
+        ]
+        some = [directions[j] for j in felt] or directions[:1]
+        start, cells = (np.stack([getattr(each, name) for each in some], axis=-1) for name in ("start", "cells"))
+        found = linearised(self.cycle, [each.change for each in some], DirectEffects(start, cells), self._back)
+        self._back = found.back  # depends on the cycle alone
+        if len(some) == len(directions):
+            return found
+        among = np.zeros((len(some), len(directions)))
+        among[range(len(felt)), felt] = 1.0
+        return found._replace(by_changes=found.by_changes.weighted(among))

@@ -1,48 +1,52 @@
 """Solve a scene and differentiate its figures by numbers of it, including the response of the machine's surroundings.
 
-The temperatures of an oil's circuit and the losses of a package follow from the cycle: they are treated as numbers of
-the scene, and what the cycle implies for them closes one more small linear system.
+What surrounds the machine and follows from the cycle (`derivatives.around`) is treated as numbers of the scene, and
+what the cycle implies for them closes one more small linear system.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.build import Temperatures, open_temperatures, with_temperatures
-from screwsim.build.open_values import has_open_values
+from screwsim.build.open_values import at_an_end
 from screwsim.codegen.program import CannotCompile
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import BuiltParts, Problem, Series, problem_of, release_series, series_of_one
+from screwsim.derivatives.around import (
+    SIZE,
+    coordinate_shifted,
+    coordinates,
+    implied_changes,
+    number_shifted,
+    open_coordinates,
+    problem_at,
+    shift_size,
+)
 from screwsim.derivatives.collocation import FINE, CollocatedCycle, Fineness, NotClosed, collocated
-from screwsim.derivatives.collocation import solve_unknowns as solved_pitch
-from screwsim.derivatives.directions import Direction, Directions, Structural, along
-from screwsim.derivatives.linear import Response
+from screwsim.derivatives.directions import Directions, Structural
+from screwsim.derivatives.driven import closed_with_drive
 from screwsim.derivatives.peak import peak_pressure, peak_step
-from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers
+from screwsim.derivatives.pitch import RateNumbers
+from screwsim.derivatives.response import shifted_evaluation, unshifted_evaluation
 from screwsim.derivatives.shifted_life import PeakPlace, ShiftedLife, in_step
-from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.inputs.faults import ImpossibleValue, UsageError
 from screwsim.model import leases
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.garbage import no_search
-from screwsim.scene import Scene, with_values
+from screwsim.scene import Scene
 from screwsim.solve.circuit import solve_with_surroundings, steady_state
-from screwsim.solve.surroundings import KPA, implied_surroundings, unknowns_of
 
 Array = np.ndarray
 STEP = 2e-7  # relative shift of a number, for differences
-SURROUNDINGS_SIZE = 100.0  # [K, kPa], the size that unknowns of the surroundings are shifted relative to
 LARGEST_RESIDUAL = 1e-5  # [K, kPa], largest admissible residual of the surroundings of the collocated cycle ...
 MOST_STEPS = 3  # ... unless so many Newton steps were made
 ONE_CHAMBER = "chambers are integrated one at a time, with valve and seat events of their own"
-DRIVEN = "the speed follows from the drive"
-OPEN_VALUES = "the oil flow, an economizer or a valve is found with the cycle"
+AT_END = "what is found with the cycle (the oil flow, an economizer, a valve) is at an end of its range"
 
 
 class SideReadings(NamedTuple):
@@ -61,19 +65,19 @@ def derivatives(
     """
     all_directions, series = Directions(cycle), Series(built)
     around = [
-        all_directions.of(_with_surroundings_shifted(cycle.pitch.problem, series, i), STEP)
-        for i in _open_unknowns(cycle.pitch.problem)
+        all_directions.of(coordinate_shifted(cycle.pitch.problem, series, i), STEP)
+        for i in open_coordinates(cycle.pitch.problem)
     ]
     directions, refused = {}, {}
     for path, value in values.items():
         try:
-            directions[path] = all_directions.of(_shifted(cycle.pitch.problem, series, path, value), STEP)
+            directions[path] = all_directions.of(number_shifted(cycle.pitch.problem, series, path, value), STEP)
         except (Structural, UsageError) as why:
             refused[path] = str(why)
     every = [*around, *directions.values()]
     if not every:
         return {}, refused
-    moves, read = responses(cycle, every, all_directions), []
+    (every, moves), read = closed_with_drive(cycle, every, all_directions), []
     peak = peak_step(unshifted_evaluation(cycle, all_directions))
     states = cycle.nodes.__getitem__
     turn = None if peak is None else PeakPlace(*peak, in_step(cycle.pitch, cycle.start, states, peak[0]))
@@ -86,8 +90,8 @@ def derivatives(
     through, own = read[: len(around)], dict(zip(directions, read[len(around) :], strict=True))
     found = {}
     for path, each in own.items():
-        closed = _with_response(each, through, _open_unknowns(cycle.pitch.problem))
-        found[path] = {name: slope / _shift_size(values[path]) for name, slope in closed.items()}
+        closed = _with_response(each, through, open_coordinates(cycle.pitch.problem))
+        found[path] = {name: slope / shift_size(values[path]) for name, slope in closed.items()}
     return found, refused
 
 
@@ -98,7 +102,7 @@ def with_settled_surroundings(
 
     A solution leaves a residual within its accuracy: 3 mK of the oil's temperature changed a derivative by 1e-4.
     """
-    rows, series = _open_unknowns(cycle.pitch.problem), Series(built)
+    rows, series = open_coordinates(cycle.pitch.problem), Series(built)
     for _ in range(MOST_STEPS if rows else 0):
         asked = _newton_step(cycle, series, rows)
         if asked is None:
@@ -114,28 +118,22 @@ def with_settled_surroundings(
 def _newton_step(cycle: CollocatedCycle, series: Series, rows: Sequence[int]) -> tuple[Problem, RateNumbers] | None:
     """Return the problem and its numbers after a Newton step of the surroundings; None where these have converged."""
     problem, all_directions = cycle.pitch.problem, Directions(cycle)
-    here = _implied_changes(unshifted_evaluation(cycle, all_directions))[rows]
+    here = implied_changes(unshifted_evaluation(cycle, all_directions))[rows]
     if float(np.abs(here).max()) <= LARGEST_RESIDUAL:
         return None
-    around = [all_directions.of(_with_surroundings_shifted(problem, series, i), STEP) for i in rows]
-    moves = responses(cycle, around, all_directions)
+    around = [all_directions.of(coordinate_shifted(problem, series, i), STEP) for i in rows]
+    around, moves = closed_with_drive(cycle, around, all_directions)
     asked = [
-        _implied_changes(shifted_evaluation(cycle, each, moves.by(j), all_directions))[rows]
+        implied_changes(shifted_evaluation(cycle, each, moves.by(j), all_directions))[rows]
         for j, each in enumerate(around)
     ]
     matrix = np.array([(there - here) / each.step for there, each in zip(asked, around, strict=True)]).T
     by = np.linalg.solve(matrix, -here)
-    x, entries = unknowns_of(problem), problem.entries
-    x[rows] += by * SURROUNDINGS_SIZE
-    moved = _problem_at(problem, series, x)
+    x, entries = coordinates(problem), problem.entries
+    x[rows] += by * SIZE
+    moved = problem_at(problem, series, x)
     unknowns_in = entries.values(entries.coordinates(cycle.unknowns_in) + moves.unknowns @ by, cycle.unknowns_in)
     return moved, all_directions.numbers(moved, unknowns_in)[0]
-
-
-def _implied_changes(of: Evaluation) -> Array:
-    """Return the changes of its surroundings [K, kPa] that a cycle implies, of all four unknowns that may be open."""
-    asked = implied_surroundings(of)
-    return np.zeros(4) if asked is None else np.resize(np.append(asked.off, (0.0, 0.0)), 4)
 
 
 def _with_response(own: SideReadings, through: Sequence[SideReadings], rows: Sequence[int]) -> dict[str, float]:
@@ -151,44 +149,7 @@ def _with_response(own: SideReadings, through: Sequence[SideReadings], rows: Seq
 
 def _readings_of(of: Evaluation, whole: bool) -> SideReadings:
     """Return the results of an evaluation; with `whole` also what it implies for its surroundings."""
-    return SideReadings(figures_of(of), _implied_changes(of) if whole else np.zeros(4))
-
-
-def _shift_size(value: float) -> float:
-    """Return the size that a number is shifted relative to: its magnitude, or 1 for zero."""
-    return abs(value) or 1.0
-
-
-def _shifted(problem: Problem, series: Series, path: str, value: float) -> Callable[[float], Problem]:
-    """Return a function that poses the problem with a number shifted by a share of its size."""
-    return lambda by: problem_of(with_values(problem.scene, {path: value + by * _shift_size(value)}), series)
-
-
-def _open_unknowns(problem: Problem) -> list[int]:
-    """Return the indices of the circuit's open unknowns: temperatures of supply and separator, lost pressures."""
-    temperatures = [i for i, each in enumerate(open_temperatures(problem.scene)) if each]
-    return [*temperatures, *((2, 3) if problem.scene.losses is not None else ())]
-
-
-def _with_surroundings_shifted(problem: Problem, series: Series, i: int) -> Callable[[float], Problem]:
-    """Return a function that poses the problem with one of the circuit's unknowns shifted by a share of its size."""
-
-    def posed(by: float) -> Problem:
-        x = unknowns_of(problem)
-        x[i] += by * SURROUNDINGS_SIZE
-        return _problem_at(problem, series, x)
-
-    return posed
-
-
-def _problem_at(problem: Problem, series: Series, x: Array) -> Problem:
-    """Return the problem with the circuit's unknowns at x [K, kPa]."""
-    scene = problem.scene
-    if any(open_temperatures(scene)):
-        scene = with_temperatures(scene, Temperatures(*x[:2].tolist()))
-    if len(x) > 2:
-        scene = replace(scene, losses=PressureLosses(*(KPA * x[2:]).tolist()))
-    return problem_of(scene, series)
+    return SideReadings(figures_of(of), implied_changes(of) if whole else np.empty(0))
 
 
 class SceneDerivatives(NamedTuple):
@@ -236,91 +197,9 @@ def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Sce
 
 def _refused(problem: Problem) -> str:
     """Return why this method cannot give a problem's derivatives; empty where it can."""
-    if problem.parts.shaft is not None:
-        return DRIVEN
-    if has_open_values(problem.scene):
-        return OPEN_VALUES
+    if at_an_end(problem.scene):
+        return AT_END
     return ONE_CHAMBER if problem.composition.chambers == 1 else ""
-
-
-class CycleResponse(NamedTuple):
-    """The response of the cycle to one number or several: states, cells, quadratures, and unknowns in coordinates.
-
-    Several have a column each. `life` returns the response of the dense output, numbers first; it is computed on first
-    use.
-    """
-
-    response: Response
-    unknowns: Array
-    life: Callable[[], Array]
-
-    def by(self, j: int) -> CycleResponse:
-        """Return the response to one of several numbers."""
-        return CycleResponse(self.response.of(j), self.unknowns[:, j], lambda: self.life()[j])
-
-
-def _moved(pitch: CollocatedPitch, response: Response, unknowns: Array) -> CycleResponse:
-    """Return the response with its dense output still to be computed."""
-    return CycleResponse(response, unknowns, cache(lambda: pitch.life(response.start, response.nodes)))
-
-
-def responses(cycle: CollocatedCycle, directions: Sequence[Direction], all_directions: Directions) -> CycleResponse:
-    """Return the response of the cycle and its unknowns to directions (at least one), a column each."""
-    linear, off, pitch = along(cycle, directions), np.zeros((len(cycle.unknowns_in), len(directions))), cycle.pitch
-    held = _moved(pitch, linear.by_changes, off.copy())
-    own = _coordinates(unshifted_evaluation(cycle, all_directions))
-    for j, direction in enumerate(directions):
-        image = _coordinates(shifted_evaluation(cycle, direction, held.by(j), all_directions))
-        off[:, j] = np.where(linear.given, direction.stated, (image - own) / direction.step)
-    unknowns = np.stack([solved_pitch(linear.back, each, linear.given) for each in off.T], axis=-1)
-    return _moved(pitch, linear.by_changes.added(linear.by_unknowns.weighted(unknowns)), unknowns)
-
-
-def _coordinates(of: Evaluation) -> Array:
-    """Return the next values of a cycle's unknowns, in coordinates."""
-    return of.problem.entries.coordinates(of.image)
-
-
-def unshifted_evaluation(
-    cycle: CollocatedCycle, all_directions: Directions, turn: PeakPlace | None = None
-) -> Evaluation:
-    """Return the evaluation of the unchanged cycle, read in the same way as one that is `shifted_evaluation`."""
-    pitch = cycle.pitch
-    pitch.put(all_directions.own[0])
-    return Evaluation(
-        pitch.problem, ShiftedLife.of(pitch, lambda: pitch.install_life(all_directions.life), turn), cycle.sums
-    )
-
-
-def shifted_evaluation(
-    cycle: CollocatedCycle,
-    direction: Direction,
-    moves: CycleResponse,
-    all_directions: Directions,
-    turn: PeakPlace | None = None,
-) -> Evaluation:
-    """Return the evaluation of the cycle after a shift of a number; with a `turn`, its highest pressure is read there.
-
-    The `turn` is that of the unchanged cycle. The evaluation uses the machinery of the
-    cycle, so it must be read before that is used for anything else.
-    """
-    pitch, problem, by = cycle.pitch, direction.problem, direction.step
-    at, entries, response = direction.side, problem.entries, moves.response
-    if moves.unknowns.any():
-        unknowns_in = entries.values(entries.coordinates(cycle.unknowns_in) + by * moves.unknowns, cycle.unknowns_in)
-        at = all_directions.meeting(direction, unknowns_in)
-    pitch.put_with_cells(at, by, response.cells)
-
-    def fill() -> None:
-        edges = direction.change.edges
-        edges = pitch.slices.edges if edges is None else pitch.slices.edges + by * edges
-        pitch.install_life(all_directions.life + by * moves.life(), edges)
-
-    turning = None
-    if turn is not None:
-        moved = in_step(pitch, response.start, response.inside, turn.step)
-        turning = turn._replace(states=turn.states + by * moved)
-    return Evaluation(problem, ShiftedLife.of(pitch, fill, turning), cycle.sums + by * response.sums)
 
 
 def figures_of(of: Evaluation) -> dict[str, float]:

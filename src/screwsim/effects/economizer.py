@@ -39,6 +39,7 @@ HEAT_LOSS = "economizer_heat_loss"
 DRAWN_TOO_MUCH = 0.02  # relative excess of the drawn vapour over that which the liquid makes, above which is warned
 GIVEN_TOO_MUCH = 0.005  # heat loss over shaft power above which is warned
 PER_FOLD = 8.0  # [K] approximate error of the temperature when the port draws e times the vapour there is
+SETTLED = 0.01  # largest relative difference of both at which a temperature that is found counts as found
 APART = 0.5  # [K] least distance of a temperature that is found from both lines' and from the liquid's
 # the error of a draw ratio is relative to 1 (all vapour that the liquid makes) at least
 OF_VAPOUR = Scale(1.0, times="filling")
@@ -143,8 +144,8 @@ class Parameters(WindowParameters, Sought):
     def off(self, figures: Mapping[str, Any], oil_follows: bool) -> tuple[float, float] | None:
         """Return the approximate error of the temperature [K] and its scale `PER_FOLD`; None without a draw ratio.
 
-        The port draws less from a warmer economizer, so the error is about proportional to the logarithm of the draw
-        ratio.
+        The port draws more from a warmer economizer, whose liquid gives off less, so the error is about proportional to
+        the logarithm of the draw ratio.
         """
         ratio = figures.get(DRAW)
         return None if ratio is None else (-PER_FOLD * math.log(max(ratio, 1e-2)), PER_FOLD)
@@ -203,7 +204,8 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
         found[HEAT_LOSS] = max(-evaporating, 0.0) * drawn.suction_flow  # beyond what evaporates the drawn gas
     none = "the economizer cools no liquid"
     found[DRAW] = evaporating / wanted if wanted > 0.0 else none
-    found[GAIN] = max(0.0, min(evaporating, wanted)) / q_0
+    settled = parameters.is_open and abs(evaporating - wanted) <= SETTLED * wanted  # what is left open is not a loss
+    found[GAIN] = (wanted if settled else max(0.0, min(evaporating, wanted))) / q_0
     return found
 
 

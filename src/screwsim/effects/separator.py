@@ -19,7 +19,7 @@ ambient_loss.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import exp
+from math import exp, inf, isfinite, log1p
 
 from screwsim.effects.base import CoolsOil, Effect, Faults, InSeparator, LosesPressure, Separator
 from screwsim.effects.parts.usual import SEPARATOR
@@ -29,14 +29,16 @@ from screwsim.inputs.declare import number, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL, ROTORS
 from screwsim.outputs import Figure, Scale, power_figure
-from screwsim.outputs.customary import in_celsius
+from screwsim.outputs.customary import ZERO_CELSIUS, in_celsius
 
 NAME = "separator"
-SUPPLY = "oil_supply.temperature"
+SUPPLY, SIZE = "oil_supply.temperature", "effects.separator.cooler.conductance"
+OUTLET = "effects.separator.cooler.outlet_temperature"
 HEATS = 1e-3  # heat from the cooler into the oil, over shaft power, above which is warned
 MEASURED, DUTY, LOAD = "mixture_discharge_temperature", "oil_cooler_duty", "oil_cooler_load"
 KEPT = "outlet_temperature", "duty", "discharge_temperature"  # what a cooler may keep, one of them
 TOLD = 0.01  # [K] by which a thermostat's temperature is exceeded before it is told
+FAR = 10.0  # [K] by which it is exceeded from which the cooler that would do is only roughly known
 LEAST = 1e-6  # heat capacity of oil over that of gas below which the oil cannot cool
 NO_OIL = (
     "hardly any oil flows, and its cooler can keep neither a duty nor a temperature (inject more oil, or remove the "
@@ -108,15 +110,22 @@ class Cooler:
             f"cooling; it would have to heat, so its duty is 0 (lower effects.separator.cooler.{name})"
         )
 
-    def exhausted(self, found: Separated, T_supply: float, coolant: float) -> str:
-        """Return what is told where the whole cooler does not suffice; `found` changes the supply as it would need."""
+    def exhausted(self, found: Separated, T_supply: float, coolant: float, needed: tuple[float, float]) -> str:
+        """Return what is told where the whole cooler does not suffice.
+
+        `needed`: conductance [W/K], infinite where none would do, and coolant [K] either of which would, by the heat
+        capacities at what is found; too far from what is to be kept they are too rough to be told.
+        """
         kept, where, what, T = self._thermostat(found, T_supply)
-        colder = T_supply + found.supply <= coolant  # oil than any cooler can make it
-        remedy = "" if colder else "a larger effects.separator.cooler.conductance, or "
+        missed = -(self.misses(found.T_mixture, T_supply) or 0.0)
+        larger, colder = f"a larger {SIZE}", f"a coolant colder than {in_celsius(coolant)}"
+        if missed < FAR:
+            larger = f"a {SIZE} of about {1e-3 * needed[0]:.3g} kW/K"
+            colder = f"a coolant of about {needed[1] - ZERO_CELSIUS:.1f} degC"
         return (
             f"the oil cooler cannot keep {kept} {where}: all of its {1e-3 * (self.conductance or 0.0):.4g} kW/K remove "
-            f"{1e-3 * max(found.duty, 0.0):.4g} kW, and {what} reaches {in_celsius(T)} ({remedy}a coolant colder than "
-            f"{in_celsius(coolant)})"
+            f"{1e-3 * max(found.duty, 0.0):.4g} kW, and {what} reaches {in_celsius(T)} "
+            f"({f'{larger}, or ' if isfinite(needed[0]) else ''}{colder})"
         )
 
     def _thermostat(self, found: Separated, T_supply: float) -> tuple[str, str, str, float]:
@@ -201,12 +210,17 @@ def cooled(cooler: Cooler, outflow: SeparatorInflow, found: Separated) -> Separa
     if cooler.conductance is None:
         return kept
     # ... and which a cooler of a stated size may miss: what it is asked for at that temperature over its most there
-    most = effectiveness * C * (T + share * kept.supply - coolant)
-    kept = kept._replace(load=(found.duty - C * (1.0 - share) * kept.supply) / most if most > 0.0 else None)
+    T_kept, asked = T + share * kept.supply, found.duty - C * (1.0 - share) * kept.supply
+    most = effectiveness * C * (T_kept - coolant)
+    kept = kept._replace(load=asked / most if most > 0.0 else None)
     coldest = min(whole, uncooled, key=lambda each: each.supply)
     if kept.supply >= coldest.supply:
         return kept
-    told = cooler.exhausted(kept, T_supply, coolant) if off < -TOLD else ""
+    told = ""
+    if off < -TOLD:
+        of_all = asked / (C * (T_kept - coolant)) if T_kept > coolant else inf  # effectiveness that would do
+        needed = -C * log1p(-of_all) if of_all < 1.0 else inf, T_kept - asked / max(effectiveness * C, LEAST)
+        told = cooler.exhausted(found, T_supply, coolant, needed)
     return coldest._replace(load=kept.load, told=told)
 
 
@@ -248,7 +262,7 @@ def warnings(found) -> Iterator[str]:
     duty, power = found.get(DUTY), found.get("shaft_power")
     if duty is not None and duty < -HEATS * abs(power or 0.0):
         T, supply = found["separator_temperature"], found["oil_supply_temperature"]
-        heats, remedy = f"would have to heat it by {-1e-3 * duty:.4g} kW", f"lower {SUPPLY}"
+        heats, remedy = f"would have to heat it by {-1e-3 * duty:.4g} kW", f"lower {SUPPLY} or {OUTLET}"
         if LOAD in found:  # a cooler of a stated size
             heats, remedy = f"heats it by {-1e-3 * duty:.4g} kW", "choose a colder coolant"
         yield (

@@ -10,7 +10,7 @@ from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
 from screwsim.effects.base import SUCTION, CoolsOil, FlowPath
 from screwsim.effects.parts.usual import SUCTION_BACK
-from screwsim.evaluate import humidity, plausible
+from screwsim.evaluate import humidity, late_valves, plausible
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures.errors import LEAST_FILLING, worst
@@ -49,6 +49,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
     yield from _unfitted_bore(of)
     yield from _open_to_suction(of)
     yield from _lost_to_suction(of)
+    yield from late_valves.warnings(of)
     yield from _separator_warnings(of)
     yield from humidity.warnings(problem, of.life, found, of.circuit)
     yield from open_values.warnings(problem.scene, found)

@@ -80,7 +80,7 @@ def beyond_its_mean(problem: Problem, life: Trajectory) -> str:
     for part in problem.parts.pulsations:
         line = problem.parts.number(part.to)
         angles = np.linspace(0.0, problem.parts.geometry.pitch, PHASES, endpoint=False)
-        pulses = np.array([life.module.line_pulse(line, angle, life.composition.P) for angle in angles])
+        pulses = life.line_pulses(line, angles)
         if np.min(1.0 + pulses[:, 1] / (1.0 + pulses[:, 0])) < LOWEST:
             return part.swings or f"the pressure of the {part.to} line would swing by more than its mean"
     return ""

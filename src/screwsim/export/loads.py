@@ -208,13 +208,18 @@ def document(found: ExportedLoads) -> dict[str, Any]:
 
 
 def _supports(supports: Supports, length: float) -> dict[str, Any]:
-    """Return what holds each rotor: where its bearings are along z, its shaft, and the force of its piston."""
+    """Return what holds each rotor: where its bearings are along z, its shaft, and the force of its piston.
+
+    Each says whether it is stated; the forces are those of the value also where it is assumed.
+    """
     found = {}
-    for name, (before, after), shaft, push in zip(NAMES, *supports, strict=True):
-        own = {"rotor_length": length, "suction_bearing_z": -before, "discharge_bearing_z": length + after}
-        own |= {"suction_bearing_distance": before, "discharge_bearing_distance": after, "shaft_diameter": shaft}
-        lengths = {key: {"units": "m", "value": value} for key, value in own.items()}
-        found[name] = {**lengths, "balance_piston_force": {"units": "N", "value": push}}
+    for name, (before, after), shaft, push, located, sized in zip(NAMES, *supports, strict=True):
+        at = {"suction_bearing_z": 0.0 - before, "discharge_bearing_z": length + after}
+        at |= {"suction_bearing_distance": before, "discharge_bearing_distance": after}
+        rows = [("rotor_length", length, True), *((key, value, located) for key, value in at.items())]
+        rows.append(("shaft_diameter", shaft, sized))
+        lengths = {key: {"units": "m", "value": value, "stated": stated} for key, value, stated in rows}
+        found[name] = {**lengths, "balance_piston_force": {"units": "N", "value": push, "stated": True}}
     return found
 
 

@@ -122,6 +122,10 @@ def swept_results(
         sweep = {one.path: tuple(map(float, one.at(evenly_spaced_nodes(one, count)))) for one, count in pairs}
         scene = replace(scene, sweep=sweep, joints=())
     missing = [path for path in temperatures if path not in scene.sweep]
+    stated = next((path for path in missing if value_at(scene, path) is None), None)
+    if stated is not None:
+        other = "export csv, modelica and fmu take a map over its pressures or any other input"
+        raise UsageError(f"{source}: states no {stated}, over which these polynomials are ({other})")
     if missing:
         evaporating, condensing = temperatures
         raise UsageError(

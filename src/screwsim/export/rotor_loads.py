@@ -37,11 +37,14 @@ class Supports(NamedTuple):
 
     `spans` [m]: distances of their bearings outside of the end planes, suction first; `shafts` [m]: diameters of the
     shafts, which the gas on the end faces does not reach; `pushes` [N]: of balance pistons, towards the discharge end.
+    `located` and `sized` tell of which rotor the distances and the shaft are stated, not assumed to be 0.
     """
 
     spans: tuple[Spans, Spans] = ((0.0, 0.0), (0.0, 0.0))
     shafts: Diameters = (0.0, 0.0)
     pushes: tuple[float, float] = (0.0, 0.0)
+    located: tuple[bool, bool] = (False, False)
+    sized: tuple[bool, bool] = (False, False)
 
 
 BARE = Supports()

@@ -18,13 +18,15 @@ def supports_of(scene: Scene, result: Result, spans: Spans | None = None, shafts
     """
     effect = scene.effects.get(EFFECT.name)
     named = effect.parameters if effect is not None and effect.parameters.load == ROTOR_LOADS else None
-    diameter = getattr(named, "shaft_diameter", None) or 0.0
-    of_rotors = [getattr(named, name, None) for name in NAMES]
-    male, female = ((_spans(each), _push(each, result)) for each in of_rotors)
+    diameter = getattr(named, "shaft_diameter", None)
+    male, female = (getattr(named, name, None) for name in NAMES)
+    sized = diameter is not None or shafts is not None
     return Supports(
-        (male[0], female[0]) if spans is None else (spans, spans),
-        (diameter, diameter) if shafts is None else shafts,
-        (male[1], female[1]),
+        (_spans(male), _spans(female)) if spans is None else (spans, spans),
+        (diameter or 0.0, diameter or 0.0) if shafts is None else shafts,
+        (_push(male, result), _push(female, result)),
+        (male is not None, female is not None) if spans is None else (True, True),
+        (sized, sized),
     )
 
 

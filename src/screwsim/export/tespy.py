@@ -4,16 +4,25 @@ TESPy has P = ṁ (h_is − h_1)/η_s and ṁ = η_v V n/v_1, which are our defi
 as heat, on which only the discharge temperature depends: the mean over the map is used, and its spread stated.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
-from screwsim.export.polynomials import Polynomials, document, polynomials
+from screwsim.build import build_parts
+from screwsim.export.polynomials import Polynomials, check_conditions, document, polynomials
+from screwsim.fluid.composition import is_blend
+from screwsim.fluid.gas import Gas
+from screwsim.fluid.models import condenses
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import in_celsius
 from screwsim.results import Results
+from screwsim.scene import Scene, lines
+from screwsim.scene.derived_values import SPEED
+from screwsim.scene.grid import case, case_count, joints_of
 from screwsim.scene.operation import EVAPORATING, SUBCOOLING
+from screwsim.study.performance_map import temperature_paths
+from screwsim.study.varied import Varied
 
 FIGURES = ("isentropic_efficiency", "volumetric_efficiency")
 SEPARATOR = "separator_temperature"
@@ -21,6 +30,9 @@ SAME_VALUE = 1e-6  # relative difference up to which the values of one map are c
 OTHER_MACHINE = 5e-3  # relative difference of its flow or power from ours above which an export is refused
 ONE_MACHINE = (  # why two stages are refused, and what to do
     "TESPy's compressor is one machine, with one swept volume (use export en12900 or csv, or the sweep of one stage)"
+)
+_ONE_VALUE = (
+    "{} varies together with a temperature, but TESPy's compressor takes a single one (vary it on an axis of its own)"
 )
 _NEEDED = (
     "displacement",
@@ -35,6 +47,49 @@ _NEEDED = (
 )
 
 
+def check_scene(scene: Varied) -> None:
+    """Raise UsageError for a sweep that is no machine of TESPy's, as its scene tells before it is simulated.
+
+    Of a gas that is not the real fluid the density in the suction line is compared; the results tell the rest.
+    """
+    if not isinstance(scene, Scene):
+        raise UsageError(f"two stages: {ONE_MACHINE}")
+    check_conditions(scene)
+    _refuse_blend(scene.gas.name, is_blend(scene.gas.name))
+    for joint in joints_of(scene):
+        if SPEED in joint.paths and set(temperature_paths(False)) & set(joint.paths):
+            raise UsageError(_ONE_VALUE.format(SPEED))
+    if not condenses(scene.gas):
+        gas = build_parts(scene).gas
+        ratios = [_density_ratio(gas, case(scene, index)) for index in range(case_count(scene))]
+        _refuse_off("gas.model", {"flow": max(ratios, key=lambda ratio: abs(ratio - 1.0))})
+
+
+def _density_ratio(gas: Gas, scene: Scene) -> float:
+    """Return the density of a gas in the suction line over that of the real fluid."""
+    p, T = lines(scene).p_s, lines(scene).T_s
+    second = ("T", T) if scene.operation.superheat else ("Q", 1)
+    return gas.density(p, T) / _property("D", "P", p, *second, scene.gas.name)
+
+
+def _refuse_blend(fluid: str, refused: bool) -> None:
+    """Raise UsageError for a blend, to whose dew point condensing temperatures refer (M316)."""
+    if refused:
+        what = f"is the blend {fluid}, whose condensing temperature is that of its dew point"
+        theirs = "TESPy's compressor uses that of the bubble point (use export en12900 or csv)"
+        raise UsageError(f"gas.fluid: {what}; {theirs}")
+
+
+def _refuse_off(where: str, ratios: Mapping[str, float]) -> None:
+    """Raise UsageError where TESPy's quantities, as ratios to ours, are off by more than `OTHER_MACHINE`."""
+    off = {name: abs(ratio - 1.0) for name, ratio in ratios.items()}
+    name = max(off, key=lambda each: off[each])
+    if off[name] > OTHER_MACHINE:
+        what = f"TESPy's compressor, which takes real gas from one inlet, would be up to {off[name]:.1%} off in {name}"
+        remedy = "write gas.model: real, leave out vapour or liquid that enters elsewhere, or use export en12900"
+        raise UsageError(f"{where}: {what} ({remedy})")
+
+
 def tespy_document(results: Results) -> dict[str, Any]:
     """Return attributes for PolynomialCompressor.set_attr, one set per point of the sweep's other axes.
 
@@ -46,10 +101,7 @@ def tespy_document(results: Results) -> dict[str, Any]:
     if lacking:
         raise UsageError(f"{results.path}: has no {lacking[0]}, which TESPy's compressor needs")
     found = polynomials(results, FIGURES)
-    if found.condensing == "dew":
-        what = f"is of the blend {found.fluid}, whose condensing temperature is that of its dew point"
-        theirs = "TESPy's compressor uses that of the bubble point (use export en12900 or csv)"
-        raise UsageError(f"{results.path}: {what}; {theirs}")
+    _refuse_blend(found.fluid, found.condensing == "dew")
     return document(found) | {
         "for": "tespy.components.PolynomialCompressor: set_attr(**attributes), then frequency as given or another",
         "maps": [_map(results, found, number) for number in range(len(found.maps))],
@@ -63,7 +115,7 @@ def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
         there = there & (results.along(path) == value)
     cases = np.flatnonzero(there.ravel())
     displaced, swept = (results.performance[name].ravel()[cases] for name in ("displacement_flow", "displacement"))
-    frequency = _common_value(displaced / swept, results, "operation.speed")
+    frequency = _common_value(displaced / swept, results, SPEED)
     superheat = found.superheat(one)
     shares = dissipated_share(results, found.fluid, superheat, cases)
     _refuse_other_machine(results, _sucked(results, found.fluid, superheat, cases), shares, cases)
@@ -95,8 +147,7 @@ def _common_value(values: np.ndarray, results: Results, name: str) -> float:
     """Return the common value of all cases of a map; raise UsageError where they differ."""
     value = float(np.mean(values))
     if np.ptp(values) > SAME_VALUE * value:
-        what = f"{name} varies together with a temperature, but TESPy's compressor takes a single one"
-        raise UsageError(f"{results.path}: {what} (vary it on an axis of its own)")
+        raise UsageError(f"{results.path}: {_ONE_VALUE.format(name)}")
     return value
 
 
@@ -154,9 +205,8 @@ def _refuse_other_machine(
         "power": gas * work / figures["isentropic_efficiency"] / figures["shaft_power"],
         "the condenser's heat": heat / figures["heating_capacity"],
     }
-    off = {name: float(np.max(np.abs(np.nan_to_num(ratio, nan=1.0) - 1.0))) for name, ratio in ratios.items()}
-    name = max(off, key=lambda each: off[each])
-    if off[name] > OTHER_MACHINE:
-        what = f"TESPy's compressor, which takes real gas from one inlet, would be up to {off[name]:.1%} off in {name}"
-        remedy = "write gas.model: real, leave out vapour or liquid that enters elsewhere, or use export en12900"
-        raise UsageError(f"{results.path}: {what} ({remedy})")
+    worst = {
+        name: max(np.nan_to_num(ratio, nan=1.0).tolist(), key=lambda one: abs(one - 1.0))
+        for name, ratio in ratios.items()
+    }
+    _refuse_off(str(results.path), worst)

@@ -1,4 +1,4 @@
-"""The flow of all chambers into both lines over one pitch, read from a closed cycle (docs/model.md M184).
+"""Pulsating lines, read from a closed cycle: pressures, and flow of all chambers over one pitch (docs/model.md M184).
 
 Angles at which a chamber is open to neither line are skipped.
 """
@@ -17,6 +17,7 @@ from screwsim.model.slots import (
     faces_line,
     gas_in,
     given_off,
+    line_pulse,
     path_flows,
     volume_at,
 )
@@ -61,3 +62,10 @@ def into_lines(times, dense, steps, context, n_e, into, volume):
             began, gas = ended, left
             if ended == border:
                 k += 1
+
+
+@kernel
+def line_pulses(line, angles, P, out):
+    """Fill out[i] with offset and pulse of a line's pressure, over its mean, at the given angles [rad] (M185)."""
+    for a in range(angles.shape[0]):
+        out[a, 0], out[a, 1] = line_pulse(line, angles[a], P)

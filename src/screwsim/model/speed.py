@@ -60,10 +60,15 @@ def squares_at(P: Array, at: int) -> Array:
     return P[first : first + 4 * (ROWS - 1) : 4].copy()
 
 
+def curve_places(composition: Composition) -> slice:
+    """Return where in P a composition has its curve; an empty slice where its speed is constant."""
+    at = composition.speed_curve
+    return slice(0, 0) if at is None else slice(at, at + 5 * ROWS - 3)
+
+
 def curve_at(composition: Composition) -> Array:
     """Return a composition's curve; an empty array where its speed is constant."""
-    at = composition.speed_curve
-    return composition.P[at : at + 5 * ROWS - 3].copy() if at is not None else np.empty(0)
+    return composition.P[curve_places(composition)].copy()
 
 
 def restore_curve(composition: Composition, course: Array) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 from screwsim.codegen.calls import Context, copied
 from screwsim.model import compiled, ledger
 from screwsim.model.composition import Composition
-from screwsim.model.slots import S_RHO
+from screwsim.model.slots import FIRST_OWN, S_RHO
 from screwsim.model.trace import SAMPLED
 from screwsim.numerics.frozen import with_changes
 from screwsim.numerics.identity_cache import keep
@@ -173,6 +173,13 @@ class Trajectory(NamedTuple):
     def peak_pressure(self, limit: float) -> float:
         """Return the highest pressure [Pa] from the injection up to an angle [rad]."""
         return float(self.module.trace__peak_pressure(*self.rows, limit, self.context))
+
+    def line_pulses(self, line: int, angles: Array) -> Array:
+        """Return rows of offset and pulse of a line's pressure, over its mean, at angles [rad]; 0 if it is steady."""
+        out = np.zeros((len(angles), 2))
+        if self.composition.pulsating and line < FIRST_OWN:
+            self.module.line_flow__line_pulses(line, angles, self.composition.P, out)
+        return out
 
     def into_lines(self, points: int) -> tuple[Array, Array]:
         """Return the flow [kg/s] into suction and discharge line, and the mean volume [m³] open to each.

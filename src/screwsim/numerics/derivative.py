@@ -32,7 +32,7 @@ from screwsim.numerics.expressions import (
     target_of,
 )
 from screwsim.numerics.kernel import Kernel, nodes, parsed, unparsed, written
-from screwsim.numerics.partials import Active, Partials, find_active
+from screwsim.numerics.partials import Active, Partials, find_active, seeds_of
 
 
 @lru_cache(maxsize=256)
@@ -159,6 +159,8 @@ class Forward:
         return found
 
     def _unpacking(self, targets: Sequence[Expression], value: Expression) -> list[ast.stmt]:
+        if isinstance(value, ast.IfExp) and seeds_of(value, self.active):
+            return [ast.If(value.test, *(self._unpacking(targets, side) for side in (value.body, value.orelse)))]
         names, before = self._names(targets), list[ast.stmt]()
         found = self._items(value, before, len(names))
         new: list[tuple[str, Expression]] = []

@@ -69,7 +69,7 @@ _STAGES = (  # figures of two stages in series
         "flow_mismatch",
         "1",
         "relative difference between the flow into the second stage and what it takes in",
-        Scale(unasked=True),
+        Scale(1.0, alone=True, unasked=True),
     ),
 )
 STAGES = {figure.name: figure for figure in _STAGES}

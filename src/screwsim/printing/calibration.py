@@ -22,6 +22,7 @@ from screwsim.screen import say
 from screwsim.study.calibration.fit import TOLERANCE_REMEDY, Parameter, Prior
 from screwsim.study.calibration.hypotheses import LEAST_CHANCE, chance_of_misfit
 from screwsim.study.calibration.identifiability import CORRELATED, WEAK_VALUE
+from screwsim.study.calibration.other_inputs import errors_by_inputs
 from screwsim.study.calibration.solve import Calibration, ComparedMeasurement
 from screwsim.study.inputs import in_customary, shown_number, shown_value
 from screwsim.study.scene_files import FITTED_LINE, fitted_text
@@ -39,6 +40,10 @@ def calibration_document(found: Calibration) -> dict[str, Any]:
         **picked(found, "status", "message"),
         "accuracy": found.fit.scene.numerics.accuracy,
         "parameters": {each.path: _parameter(found, index, each) for index, each in enumerate(found.fit.parameters)},
+        "other_inputs": [
+            {"paths": list(each.paths), "changes": dict(zip(found.values, each.changes, strict=True))}
+            for each in found.shifts
+        ],
         "correlation": None if known is None else known.correlation,
         "singular_values": None if known is None else known.singular,
         "not_told_apart": [] if known is None else [asdict(each) for each in known.open],
@@ -62,6 +67,7 @@ def _parameter(found: Calibration, index: int, parameter: Parameter) -> dict[str
         "value": found.values.get(parameter.path),
         "standard_error": error,
         "standard_error_scaled": None if error is None else error * found.scale,
+        "standard_error_by_other_inputs": None if error is None or not found.shifts else _by_inputs(found)[index],
         "from": parameter.low,
         "to": parameter.high,
         "at_bound": "" if known is None else known.border[index],
@@ -70,6 +76,10 @@ def _parameter(found: Calibration, index: int, parameter: Parameter) -> dict[str
         "prior": None if parameter.prior is None else _prior(parameter.prior),
         "errs_together_with": [found.fit.parameters[i].path for group in groups for i in group if i != index],
     }
+
+
+def _by_inputs(found: Calibration) -> tuple[float, ...]:
+    return errors_by_inputs(found.shifts, len(found.fit.parameters))
 
 
 def _prior(prior: Prior) -> dict[str, Any]:
@@ -114,6 +124,10 @@ def print_calibration(found: Calibration) -> None:
     say()
     heads = ["", "value", "± standard error", "as good"]
     rows = [_row(found, index, parameter) for index, parameter in enumerate(found.fit.parameters)]
+    if found.shifts:
+        heads.insert(3, "± by other inputs")
+        for index, row in enumerate(rows):
+            row.insert(3, _width_by_inputs(found, index))
     tolerances = [_tolerance(found, parameter) for parameter in found.fit.parameters]
     if any(tolerances):
         heads.append(TOLERANCE_REMEDY)
@@ -121,6 +135,7 @@ def print_calibration(found: Calibration) -> None:
     print_table(heads, rows, 1)
     if any(tolerances):
         say(wrapped(f"{TOLERANCE_REMEDY}: {_HALF_INTERVAL}"))
+    print_wrapped(_other_inputs(found))
     for group in found.fit.together:
         paths = ", ".join(found.fit.parameters[i].path for i in group)
         say(wrapped(f"too large or too small together, by the scene's uncertainty.correlated: {paths}"))
@@ -150,6 +165,31 @@ def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:
     low, high = spread(found, index)
     good = "" if low is None or high is None else " … ".join(shown_number(scene, path, each, 3) for each in (low, high))
     return [found.fit.short_names()[path], shown_value(scene, path, found.values[path], 4), width, good]
+
+
+def _width_by_inputs(found: Calibration, index: int) -> str:
+    """Return the standard error of a parameter by other inputs, in the unit of its value; '' at a bound."""
+    if found.certainty is None or found.certainty.errors[index] is None:
+        return ""
+    return f"{_by_inputs(found)[index] * _per_unit(found, found.fit.parameters[index]):.2g}"
+
+
+def _other_inputs(found: Calibration) -> Iterator[str]:
+    """Yield what the errors by other inputs are, and the input that contributes most to that of each parameter."""
+    if not found.shifts:
+        return
+    most = []
+    for index, name in enumerate(found.fit.short_names().values()):
+        whole = _by_inputs(found)[index] ** 2
+        largest = max(found.shifts, key=lambda shift: abs(shift.changes[index]))
+        if whole:
+            share = largest.changes[index] ** 2 / whole
+            most.append(f"{name} by {' + '.join(largest.paths)} ({share:.0%} of its variance)")
+    yield (
+        "by other inputs: standard error by the tolerances of inputs that are not fitted, off by the same at all "
+        "points, on top of the one before it (as the root of the sum of squares)"
+        + (f"; most of it: {', '.join(most)}" if most else "")
+    )
 
 
 def _tolerance(found: Calibration, parameter: Parameter) -> str:

@@ -105,6 +105,8 @@ def _cells(a: Results, b: Results, change: FigureChange) -> list[str]:
     if change.a and change.b and unit_a != unit_b:  # as for 900 W and 1.1 kW; zero has the unit of the other one
         in_b = f"{in_b} {unit_b}"
     changes = _changes(change, 100.0 / abs(change.a), "%") if change.a else ["", "", ""]
+    if about.scale.unasked:  # a residual, of which no percentage says anything
+        changes = _changes(change, 1.0, "")
     return [name, in_a, in_b, unit_a if change.a else unit_b, *changes, differ]
 
 
@@ -119,7 +121,7 @@ def _changes(of: FigureChange, factor: float, unit: str) -> list[str]:
     change = factor * (of.change or 0.0)
     shown = f"{change:+.0f}" if abs(change) >= _TWO_DIGITS_BELOW else f"{change:+.2g}"
     inputs = f"± {_rounded(factor * of.inputs)}" if of.inputs else ""
-    return [f"{shown} {unit}" if change else "0", _rounded(factor * (of.error or 0.0)), inputs]
+    return [f"{shown} {unit}".rstrip() if change else "0", _rounded(factor * (of.error or 0.0)), inputs]
 
 
 def _rounded(size: float) -> str:

@@ -9,6 +9,7 @@ from screwsim.figures.engineering import error_text, figure_text, shown_name
 from screwsim.outputs.customary import with_printed_units
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.uncertain import contributors_text
 from screwsim.scene.grid import unit_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
@@ -42,6 +43,7 @@ def _row_document(row: GoalSeekAnswer) -> dict[str, Any]:
     none = {"performance": {}, "warnings": []}
     return {
         **picked(row, "at", "status", "message", "values", "uncertainties", "figures", "errors", "borders"),
+        "uncertainties_by_inputs": {path: spread.as_json() for path, spread in row.by_inputs.items()},
         "size": None if row.size is None else picked(row.size, "value", "figure"),
         **(none if row.result is None else picked(row.result, "performance", "warnings")),
         **picked(row, "solutions", failed_solutions="failed"),
@@ -62,16 +64,22 @@ def print_find(scene: Varied, asked: Question, rows: Sequence[GoalSeekAnswer]) -
         return
     paths = list(rows[0].at)
     heads = column_heads([*paths, *(span.path for span in asked.spans)])
-    heads += [*(["±"] if len(asked.spans) == 1 else []), *(["size"] if asked.sizes else [])]
+    due = len(asked.spans) == 1 and any(row.by_inputs for row in rows)
+    heads += [
+        *(["±"] if len(asked.spans) == 1 else []),
+        *(["± by inputs"] if due else []),
+        *(["size"] if asked.sizes else []),
+    ]
     heads += [*(shown_name(goal.figure) for goal in asked.goals), "simulated"]
-    print_table(heads, [_cells(scene, asked, paths, row) for row in rows])
+    print_table(heads, [_cells(scene, asked, paths, row, due) for row in rows])
     notes = [line for row in rows for line in _notes(scene, paths, row)]
     print_wrapped(notes[:MOST_NOTES])
     if len(notes) > MOST_NOTES:
         say(f"… and {len(notes) - MOST_NOTES} more (all with --json, or in the file of -o)")
 
 
-def _cells(scene: Varied, asked: Question, paths: Sequence[str], row: GoalSeekAnswer) -> list[str]:
+def _cells(scene: Varied, asked: Question, paths: Sequence[str], row: GoalSeekAnswer, due: bool) -> list[str]:
+    """Return the cells of a row; with `due` that of the uncertainty by the inputs' tolerances."""
     cells = [shown_value(scene, path, row.at[path]) for path in paths]
     ok = row.status == "ok"
     for span in asked.spans:
@@ -80,6 +88,9 @@ def _cells(scene: Varied, asked: Question, paths: Sequence[str], row: GoalSeekAn
         cells.append((shown + mark) if ok else row.status)
         if len(asked.spans) == 1:
             cells.append(_difference_text(scene, span.path, row.uncertainties.get(span.path)) if ok else "")
+        if due:
+            spread = row.by_inputs.get(span.path)
+            cells.append(_difference_text(scene, span.path, None if spread is None else spread.expanded, 2))
     if asked.sizes:
         cells.append("" if row.size is None else shown_value(scene, asked.spans[0].path, row.size.value))
     for goal in asked.goals:
@@ -99,6 +110,7 @@ def _print_one(scene: Varied, asked: Question, row: GoalSeekAnswer) -> None:
     if row.status == "ok":
         for span in asked.spans:
             say(f"{span.path} = {_value(scene, asked, span.path, row)}")
+            print_wrapped(_by_inputs(scene, span.path, row))
         if row.size is not None:
             _print_size(scene, asked, row)
         say()
@@ -129,6 +141,14 @@ def _value(scene: Varied, asked: Question, path: str, row: GoalSeekAnswer) -> st
     return f"{text} ± {_difference_text(scene, path, width)}" if width is not None else text
 
 
+def _by_inputs(scene: Varied, path: str, row: GoalSeekAnswer) -> Iterator[str]:
+    """Yield the uncertainty of a value by the tolerances of other inputs, and those that contribute most."""
+    if path in row.by_inputs and row.by_inputs[path].standard:
+        spread = row.by_inputs[path].as_json()
+        most = contributors_text(spread["contributors"])
+        yield f"  by the inputs' tolerances ± {_difference_text(scene, path, spread['expanded'], 2)} (95 %): {most}"
+
+
 def _why_not_met(asked: Question, size: Size) -> str:
     """Return why no value meets the goal, though a size is beyond it: every size is, or the figure leaps over it."""
     (goal,) = asked.goals
@@ -137,12 +157,12 @@ def _why_not_met(asked: Question, size: Size) -> str:
     return f"every size gives {'more' if size.figure > goal.value else 'less'} than the goal"
 
 
-def _difference_text(scene: Varied, path: str, width: float | None) -> str:
-    """Return a difference of a path's values in its customary unit."""
+def _difference_text(scene: Varied, path: str, width: float | None, digits: int = 1) -> str:
+    """Return a difference of a path's values in its customary unit, with so many digits."""
     if width is None:
         return ""
     per, unit = unit_of_change(scene, path, 1.0)  # in the unit of the value, not in µm
-    return f"{per * width:.1g} {with_printed_units(unit)}".strip()
+    return f"{per * width:.{digits}g} {with_printed_units(unit)}".strip()
 
 
 def _figures(asked: Question, row: GoalSeekAnswer) -> Iterator[tuple[str, str]]:
@@ -170,6 +190,10 @@ def write_find(path: Path, scene: Varied, asked: Question, rows: Sequence[GoalSe
         columns[span.path] = Column([row.values.get(span.path) for row in rows], units, f"found {leaf.doc}")
         wide = [row.uncertainties.get(span.path) for row in rows]
         columns[f"{span.path}_uncertainty"] = Column(wide, units, "uncertainty from the figures' numerical errors")
+        if any(row.by_inputs for row in rows):
+            due = [row.by_inputs[span.path].expanded if row.by_inputs else None for row in rows]
+            what = "half of the 95 % interval by the tolerances of the scene's other inputs"
+            columns[f"{span.path}_by_inputs"] = Column(due, units, what)
     for goal in asked.goals:
         about = declared(goal.figure)
         columns[goal.figure] = Column([row.figures.get(goal.figure) for row in rows], about.units, about.long_name)

@@ -20,6 +20,7 @@ from screwsim.scene import leaf_of
 from screwsim.screen import say
 from screwsim.study.calibration.answers import LEVEL, Posterior, Predictions, PredictiveCheck
 from screwsim.study.calibration.fit import Fit
+from screwsim.study.calibration.other_inputs import other_inputs
 from screwsim.study.calibration.posterior import UNDETERMINED_SHARE
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.columns import Column, protect_other_columns, write_columns
@@ -45,6 +46,7 @@ def posterior_document(found: Posterior) -> dict[str, Any]:
     return {
         **picked(found, "status", "message"),
         "level": LEVEL,
+        "taken_as_exact": [path for group in other_inputs(found.fit) for path in group],
         "parameters": {parameter.name: parameter.__dict__ for parameter in found.parameters},
         "discrepancies": {discrepancy.name: discrepancy.__dict__ for discrepancy in found.discrepancies},
         "predicted": [each.__dict__ | {"inside": each.inside} for each in found.predicted],
@@ -165,6 +167,11 @@ def _notes(found: Posterior) -> Iterator[str]:
         yield (
             f"the points do not constrain {', '.join(untold)}: as wide as the prior (of prior: width over that of "
             f"the prior)"
+        )
+    if exact := [path for group in other_inputs(found.fit) for path in group]:
+        yield (
+            f"warning: intervals take {', '.join(exact)} as exact, although the scene states tolerances (make them "
+            f"parameters of the fit; the tolerances are their priors)"
         )
     off = "" if found.off is None else f"; polynomials off by at most {found.off:.2g} uncertainties at draws solved"
     yield (

@@ -3,6 +3,7 @@
 import textwrap
 from collections.abc import Mapping, Sequence
 from itertools import compress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,9 +17,11 @@ from screwsim.outputs.display import picked
 from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.read import Results
-from screwsim.scene import Scene
 from screwsim.screen import say
+from screwsim.study.columns import Column, write_columns
+from screwsim.study.sampled import rounding
 from screwsim.study.uncertain import COVERAGE, Uncertainty
+from screwsim.study.varied import Varied
 
 MOST_FIGURES = 3
 EFFICIENCY_SUFFIX = "efficiency"
@@ -45,7 +48,7 @@ def print_uncertainty(result: Result) -> None:
         spread = found.get(name, {"expanded": 0.0, "contributors": ()})
         if spread["expanded"] > NEGLIGIBLE * abs(result.performance[name]) or name in by_model:
             rows.append([shown_name(name), *_uncertainty_row(result, name, spread["expanded"], model)])
-            causes.append(_causes(spread["contributors"]))
+            causes.append(contributors_text(spread["contributors"]))
     say()
     if rows:
         heads = ["uncertain by", "value", "unit", "numerical", "inputs", "model"]
@@ -65,7 +68,7 @@ def print_uncertainty(result: Result) -> None:
     print_wrapped(model_lines(model))
 
 
-def _causes(contributors: Sequence[Mapping[str, Any]]) -> str:
+def contributors_text(contributors: Sequence[Mapping[str, Any]]) -> str:
     """Return the inputs that contribute most to a figure's uncertainty, with their shares of its variance."""
     some = [each for each in contributors[:MOST_CONTRIBUTORS] if each["share"] >= LEAST_SHARE]
     paths = (" + ".join(path.replace("effects.", "", 1) for path in each["paths"]) for each in some)
@@ -109,17 +112,20 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     return lines
 
 
-def print_check(scene: Scene, found: Uncertainty) -> None:
+def print_check(scene: Varied, found: Uncertainty) -> None:
     """Print the results of a Sobol sample beside the linear uncertainties, and warn where the latter are wrong."""
     print_scene_title(scene.title)
     say()
-    if found.message:
-        say(wrapped(f"no conclusion from the sample: {found.message}"))
+    if found.slopes.result.status != "ok":
+        say(wrapped(f"no uncertainty: {found.slopes.result.told}"))
+        return
+    if not found.sampled:
+        say(wrapped(f"no conclusion from the sample: {found.message or 'it has none of these figures'}"))
         return
     rows, wrong = [], []
     for name, sampled in found.sampled.items():
         value = found.slopes.result.performance[name]
-        if found.spreads[name].expanded <= NEGLIGIBLE * abs(value):
+        if found.spreads[name].expanded <= max(NEGLIGIBLE * abs(value), rounding(name, value)):
             continue
         factor, unit = figure_unit(declared(name, found.slopes.result.performance), value)
         two = (COVERAGE * found.spreads[name].standard, COVERAGE * sampled.standard)
@@ -129,12 +135,36 @@ def print_check(scene: Scene, found: Uncertainty) -> None:
             wrong.append(f"warning: the linear estimate is wrong for {shown_name(name)}: {sampled.wrong}")
     print_table(["", "value", "mean", "linear", "sampled", "unit"], rows, 1)
     say(wrapped(f"{found.samples} samples (Sobol's sequence) of the inputs within their tolerances"))
-    print_wrapped(wrong)
+    if found.message:
+        wrong.append(f"warning: mean and spread are those of the others, as {found.message}")
+    left_out = (f"warning: the linear estimate lacks {path}: {why}" for path, why in found.left_out.items())
+    print_wrapped([*wrong, *left_out])
     if rows and not wrong:
         say("the linear estimate holds for all of these figures")
 
 
-def check_document(scene: Scene, found: Uncertainty) -> dict[str, Any]:
+def write_check(path: Path, found: Uncertainty) -> None:
+    """Write a row per figure, as CSV or HDF5: half of the 95 % interval, linear and of the sample, in SI units."""
+    names, here = list(found.sampled), found.slopes.result.performance
+    ends = {
+        "linear": ([found.spreads[name].expanded for name in names], "by the inputs' tolerances, linear"),
+        "sampled": ([COVERAGE * found.sampled[name].standard for name in names], "twice the sample's deviation"),
+    }
+    columns = {
+        "figure": Column(names, "", "figure"),
+        "units": Column([declared(name, here).units for name in names], "", "SI unit of the figure"),
+        "value": Column([here[name] for name in names], "1", "the figure, SI unit"),
+        "mean": Column([found.sampled[name].mean for name in names], "1", "mean of the sample, SI unit"),
+        **{
+            name: Column(values, "1", f"half of the 95 % interval {what}, SI unit")
+            for name, (values, what) in ends.items()
+        },
+        "wrong": Column([found.sampled[name].wrong for name in names], "", "what is wrong with the linear one"),
+    }
+    write_columns(path, "linear and sampled uncertainties", columns)
+
+
+def check_document(scene: Varied, found: Uncertainty) -> dict[str, Any]:
     """Return what `sensitivity --check-sobol --json` prints."""
     figures = {name: each._asdict() for name, each in found.sampled.items()}
     return {**found.as_json(), "sampled": {**picked(found, "samples", "message"), "figures": figures}}

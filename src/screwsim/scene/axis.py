@@ -36,8 +36,8 @@ def read_axis(leaf: Leaf, node: Node, path: str, problems: LocatedFaults, distin
     elif isinstance(node.value, list):
         values = [_item(leaf, item, path, problems) for item in node.value]
     else:
-        what = f"{shown(node.value)} is neither a list nor {{from, to, count}} (write e.g. [{example(leaf)}])"
-        problems.add(node.place, path, what)
+        remedy = _range_of_text(node.value) or f"write e.g. [{example(leaf)}]"
+        problems.add(node.place, path, f"{shown(node.value)} is neither a list nor {{from, to, count}} ({remedy})")
         return ()
     if any(isinstance(value, FoundWithCycle) for value in values):
         problems.add(node.place, path, f"lists {AUTO}, which is not a value (write values, or a separate scene)")
@@ -66,6 +66,13 @@ def _item(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> Any:
     with problems.at(node.place, path):
         return listed_fluid(node.value)
     return None
+
+
+def _range_of_text(value: Any) -> str:
+    """Return how to write a range that is stated as options of commands have it, LOW..HIGH; '' for anything else."""
+    ends, _, count = value.partition(",") if isinstance(value, str) else ("", "", "")
+    low, dots, high = (part.strip() for part in ends.partition(".."))
+    return f"write {{from: {low}, to: {high}, count: {count.strip() or '…'}}}" if low and dots and high else ""
 
 
 def example(leaf: Leaf) -> str:

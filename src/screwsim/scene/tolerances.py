@@ -17,10 +17,10 @@ from typing import Any, NamedTuple
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.suggestions import did_you_mean
-from screwsim.scene.fields import Leaf, effect_keys, leaf_paths, leaves_of, value_at
+from screwsim.scene.fields import FIXED, Leaf, effect_keys, leaf_paths, leaves_of, value_at
 from screwsim.scene.model_errors import BLOCK, MODEL
 from screwsim.scene.types import COVERAGE, Scene, Tolerance
-from screwsim.scene.units import NUMBER, Refused, format_quantity, parse_quantity
+from screwsim.scene.units import NUMBER, Refused, format_quantity, is_gauge, parse_quantity, without_gauge
 from screwsim.scene.values import limits_text, shown, text_of, within
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, join, locate
 
@@ -94,6 +94,8 @@ def read_tolerances(
                 raise Refused("has a tolerance, which only quantities and numbers may have (write the value alone)")
             if path.startswith(CERTAIN_SECTIONS):
                 raise Refused("has a tolerance, which only values that describe the machine and its operation may have")
+            if path in FIXED:
+                raise Refused("has a tolerance, but gauge pressures were read relative to it (write theirs instead)")
             value = float(value_at(scene, path))
             tolerance = _tolerance(leaf, each, value)
             _check_ends(leaf, tolerance, value, "its")
@@ -136,7 +138,7 @@ def _check_sweep(leaf: Leaf, tolerance: Tolerance, values: Sequence[Any]) -> Non
 def _factor(leaf: Leaf, given: WrittenTolerance, value: float) -> Tolerance:
     if not _BARE.fullmatch(given.text) or not float(given.text) > 1.0 or not math.isfinite(float(given.text)):
         raise Refused(f"the tolerance {shown(given.text)} is not a factor above 1 (write e.g. ×/÷ 2)")
-    if value <= 0.0 or leaf.kind in ("temperature", "angle"):
+    if value <= 0.0 or leaf.kind in ("temperature", "angle") or is_gauge(given.value):
         raise Refused("a factor is only for quantities that are positive by nature, such as lengths (write ±)")
     return Tolerance(float(given.text), factor=True)
 
@@ -147,6 +149,8 @@ def _half_interval(leaf: Leaf, given: WrittenTolerance, value: float) -> Toleran
     if share is not None:
         if leaf.kind == "temperature":
             raise Refused(f"the tolerance {shown(text)} is a share of a temperature (write it in kelvin, e.g. ± 2 K)")
+        if is_gauge(given.value):
+            raise Refused(f"the tolerance {shown(text)} is a share of a gauge pressure (write its size, as ± 0.1 bar)")
         half = 0.01 * float(share[1]) * abs(value)
     elif leaf.dimension is None:
         if not _BARE.fullmatch(text):
@@ -154,7 +158,7 @@ def _half_interval(leaf: Leaf, given: WrittenTolerance, value: float) -> Toleran
         half = float(text)
     else:
         match = _UNIT.fullmatch(given.value)
-        unit = match[1].strip() if match else ""
+        unit = without_gauge(match[1].strip()) if match else ""
         kind = KINDS.get(f"{leaf.kind}_difference", leaf.dimension)
         bare = _BARE.fullmatch(text) is not None
         try:

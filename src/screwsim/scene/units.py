@@ -97,7 +97,7 @@ _SPELLINGS |= {"**": "^", "·": " ", "*": " "}
 _LIKELY_UNITS: dict[str, dict[str, str]] = {
     "Pa": {
         **dict.fromkeys(("bara", "barabs", "baraabs"), "bar"),
-        **dict.fromkeys(("psia", "psiabs"), "psi"),
+        **dict.fromkeys(("psia", "psiabs", "psid"), "psi"),
         **dict.fromkeys(("kpaa", "kpaabs"), "kPa"),
     },
     "rad/s": {
@@ -108,6 +108,13 @@ _LIKELY_UNITS: dict[str, dict[str, str]] = {
     "m^3": {"ccm": "cm^3"},
     "m^3/s": {"cfm": "ft^3/min", "acfm": "ft^3/min", "lpm": "L/min"},
     "Pa s": {"Pas": "Pa s", "mPas": "mPa s"},
+    "W": {
+        **dict.fromkeys(("ton", "tons", "tr"), "refrigeration_ton"),
+        "mbh": "kBtu/h",
+        **dict.fromkeys(("btuh", "btu/h", "btu/hr"), "Btu/h"),
+        "hp": "hp",
+        "ps": "metric_horsepower",
+    },
     "rad": {"º": "deg"},
     "J/(kg K)": {"kJ/kgK": "kJ/(kg K)", "J/kgK": "J/(kg K)"},
     "W/(m^2 K)": dict.fromkeys(("W/m2K", "W/m^2K", "W/m²K"), "W/(m^2 K)"),
@@ -160,6 +167,18 @@ def parse_quantity(kind: Kind, text: str) -> float:
     return value
 
 
+def is_gauge(text: str) -> bool:
+    """Tell whether a quantity such as '7 bar(g)' is written as a gauge pressure."""
+    match = _QUANTITY.fullmatch(text)
+    return match is not None and _GAUGE.fullmatch(match[2] or "") is not None
+
+
+def without_gauge(unit: str) -> str:
+    """Return the unit of differences of gauge pressures, bar for bar(g); any other unit as it is."""
+    match = _GAUGE.fullmatch(unit)
+    return match[1] if match else unit
+
+
 def _from_gauge(kind: Kind, number: float, unit: str, text: str) -> Gauge | None:
     """Return the absolute pressure [Pa] of a gauge pressure; None for any other, or where gauge pressure is refused."""
     found, ambient = _GAUGE.fullmatch(unit), _ambient.get()
@@ -186,25 +205,36 @@ def _odd_number_fault(kind: Kind, text: str, shown: str) -> Refused | None:
 
 def _likely_unit_fault(kind: Kind, number: str, unit: str, shown: str) -> Refused | None:
     """Return the fault of a unit that is spelt otherwise but is unambiguous for this kind; None for any other."""
-    tight = re.sub(r"[\s._()]", "", unit)
-    if kind.name == "viscosity" and tight.lower() in _KINEMATIC:
+    if kind.name == "viscosity" and _tight(unit).lower() in _KINEMATIC:
         return Refused(f"{shown} is a kinematic viscosity (multiply it by the density; write e.g. '{kind.example}')")
-    meant = _LIKELY_UNITS.get(kind.si, {})
+    known = likely_unit(kind, unit)
+    return None if known is None else Refused(f"{shown} is not {describe(kind)} (write '{number} {known}')")
+
+
+def likely_unit(kind: Kind, unit: str) -> str | None:
+    """Return the unit of a kind that is meant by another spelling ('psi' for 'psia'); None where it is not clear."""
+    meant, tight = _LIKELY_UNITS.get(kind.si, {}), _tight(unit)
     known = meant.get(tight) or meant.get(tight.lower())
     if known is None:  # in another case; but m and M are milli and mega
         same = [each for each in _TABLE[kind.si] if each.lower() == unit.lower()]
         known = same[0] if len(same) == 1 and (same[0][0] == unit[0] or unit[0] not in "mM") else None
-    return None if known is None else Refused(f"{shown} is not {describe(kind)} (write '{number} {known}')")
+    return known
+
+
+def _tight(unit: str) -> str:
+    return re.sub(r"[\s._()]", "", unit)
 
 
 def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
-    """Refuse ambiguous units: Hz, or degrees Celsius for a difference; and gauge pressures where none are allowed."""
+    """Refuse ambiguous units: Hz, MBtu/h, degrees Celsius for a difference; and gauge pressures where not allowed."""
     if kind.si == "Pa" and _GAUGE.fullmatch(unit):
         if kind.name == "pressure_difference":
             raise Refused(f"{shown} is a gauge pressure, not a difference (write e.g. '{kind.example}')")
         raise Refused(f"{shown} is a gauge pressure (write the absolute pressure, e.g. '{kind.example}')")
     if kind.name == "speed" and unit.lower() in ("hz", "khz", "1/s", "s^-1", "1/min", "min^-1"):
         raise Refused(f"{shown} is ambiguous: turns or radians (write rpm, rev/s or rad/s, e.g. '{kind.example}')")
+    if kind.si == "W" and unit.lower().startswith("mbtu"):
+        raise Refused(f"{shown} is ambiguous: a thousand or a million Btu (write kBtu/h or kW, e.g. '{kind.example}')")
     if kind.name == "temperature" and unit.startswith("delta_"):
         raise Refused(f"{shown} is a difference, not a temperature (write e.g. '{kind.example}' or '12 degC')")
     if kind.name == "temperature_difference" and _has_zero(kind, tidy_unit(unit)):

@@ -46,7 +46,7 @@ OPEN = 0.2  # of the wanted accuracy: admissible residual of the circuit over th
 NOISE = 2.0  # error of a cycle's residuals over the larger of its last turn's change and its open balances
 LEAST_DECAY = 0.05  # smallest −(real part of an eigenvalue) of a Jacobian that is accepted
 LONGEST_STEP = 40.0  # [K, kPa], longest step
-HALVINGS = 6  # of a step to impossible oil or effects, or to where no cycle closes
+HALVINGS = 6  # of a step to impossible oil or effects, or to where no cycle closes or one implies nothing
 WARMER_STARTS = (15.0, 30.0, 50.0)  # [K] above the first guess, tried where no cycle closes with that
 CONTRACTION = 0.1  # expected ratio of the residual after a step to that before ...
 LEARNT_CONTRACTION = 0.01  # ... the same with the Jacobian of the point before ...
@@ -186,8 +186,11 @@ class SurroundingsSearch:
         return at_motor_speed(problem_of(scene, self.series, None if held else self.stated), self.series)
 
     def next(self, of: Evaluation, asked: ImpliedSurroundings) -> Evaluation | None:
-        """Return the cycle at the next unknowns; None, with the reason in `why`, where none is found."""
-        x = unknowns_of(of.problem)
+        """Return the cycle at the next unknowns; None, with the reason in `why`, where none is found.
+
+        A step to a cycle that implies nothing, as one without net flow, is halved, too.
+        """
+        x, undefined = unknowns_of(of.problem), None
         self.learn(of, x, asked)
         step = self.step(x, asked)
         for _ in range(HALVINGS):
@@ -195,9 +198,11 @@ class SurroundingsSearch:
             found = None if problem is None else self.closed(problem, self.course)
             if found is not None:
                 self.why = ""
-                return found
+                if implied_surroundings(found) is not None:
+                    return found
+            undefined = found or undefined
             step = 0.5 * step
-        return None
+        return undefined
 
 
 def started_jacobian(asked: ImpliedSurroundings) -> Array:

@@ -56,20 +56,31 @@ def set_speed_curve(
     The change is the largest over the angle; below the tolerance the speed is left as it is. The curve is None
     where the motion nearly stops.
     """
-    composition, pitch = machinery.composition, problem.parts.geometry.pitch
+    composition = machinery.composition
     at = composition.speed_curve
     assert at is not None  # the scene has a drive
-    ratio = (motion.speed / motion.mean_speed) ** 2
-    squares = resampled(ratio, speed.ROWS - 1)
-    slopes = resampled(differentiation(pitch) @ ratio, speed.ROWS - 1)
     old = speed.squares_at(composition.P, at)
+    squares = resampled(_squares_of(motion), speed.ROWS - 1)
     change = float(np.max(np.abs(np.sqrt(np.maximum(squares, 0.0)) - np.sqrt(old))))
-    if not squares.min() > (1.0 - speed.TOO_LARGE) ** 2:
-        return change, None
-    curve = speed.curve_of(np.append(squares, squares[0]), np.append(slopes, slopes[0]), pitch)
-    if change > tolerance:
+    curve = speed_curve_of(motion, problem.parts.geometry.pitch)
+    if curve is not None and change > tolerance:
         speed.put(composition.P, at, curve)
     return change, curve
+
+
+def speed_curve_of(motion: Response, pitch: float) -> np.ndarray | None:
+    """Return the packed curve of the speed over the angle of a motion; None where it nearly stops."""
+    ratio = _squares_of(motion)
+    squares = resampled(ratio, speed.ROWS - 1)
+    if not squares.min() > (1.0 - speed.TOO_LARGE) ** 2:
+        return None
+    slopes = resampled(differentiation(pitch) @ ratio, speed.ROWS - 1)
+    return speed.curve_of(np.append(squares, squares[0]), np.append(slopes, slopes[0]), pitch)
+
+
+def _squares_of(motion: Response) -> np.ndarray:
+    """Return the squared speed over its mean at the collocated angles."""
+    return (motion.speed / motion.mean_speed) ** 2
 
 
 def at_motor_speed(problem: Problem, series: Series) -> Problem:

@@ -7,6 +7,7 @@ from contextlib import suppress
 from screwsim.build import build_parts
 from screwsim.figures import called_for, known, needs_of
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import names_containing
 from screwsim.scene import Scene, case
 from screwsim.scene.fields import unknown_key
 from screwsim.study.varied import Varied
@@ -28,6 +29,8 @@ _SYMBOLS = {
     "free_air_delivered": "fad freeair freeairdelivery",
 }
 _NAME_BY_SYMBOL = {symbol: name for name, symbols in _SYMBOLS.items() for symbol in symbols.split()}
+_OF_STAGE = re.compile(r"(first|second)[._ ](\w+)")
+_ONE_STAGE = "is a figure of one stage, not of these two together"
 _NAME_REMEDY = "a name of performance in `run --json`"
 
 
@@ -65,14 +68,18 @@ def figure_of(scene: Varied, text: str, option: str = "--figure") -> str:
 
     Raise UsageError with the figures there are where it has none of that name.
     """
-    here = figures_of(scene) if isinstance(scene, Scene) else tuple(scene.figures)
+    alone = isinstance(scene, Scene)
+    here = figures_of(scene) if alone else tuple(scene.figures)
+    of_stage = None if alone else _OF_STAGE.fullmatch(text)
+    if of_stage and of_stage[2] in known() and "_".join(of_stage.groups()) not in here:
+        raise UsageError(f"{option} {text}: {_ONE_STAGE} (use one of {', '.join(here)})")
     name = figure_named(text, here, option=option)
     if name not in here:
-        alone = isinstance(scene, Scene)
-        whose = "this scene" if alone else "these two stages"
+        what = "is not a figure of this scene" if alone else _ONE_STAGE
         if needs := needs_of(name) if alone else " and ".join(scene.lacks(name)):
-            whose = f"{whose}: it needs {needs}"
-        raise UsageError(f"{option} {text}: is not a figure of {whose} (use one of {', '.join(here)})")
+            what = f"is not a figure of {'this scene' if alone else 'these two stages'}: it needs {needs}"
+        use = names_containing(name, here) or here
+        raise UsageError(f"{option} {text}: {what} (use {'one of ' if len(use) > 1 else ''}{', '.join(use)})")
     return name
 
 

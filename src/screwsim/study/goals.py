@@ -7,8 +7,9 @@ from typing import NamedTuple
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY
+from screwsim.scene import Scene
 from screwsim.scene.numerals import odd_number, odd_number_text
-from screwsim.scene.units import NUMBER, parse_quantity, refused_at, tidy_unit
+from screwsim.scene.units import NUMBER, gauge_pressures_over, parse_quantity, refused_at, tidy_unit
 from screwsim.study.calibration.data import CELSIUS, UNITS, ZERO, quantity_of
 from screwsim.study.figures import figure_of
 from screwsim.study.varied import Varied
@@ -62,7 +63,13 @@ def _split_condition(scene: Varied, text: str, option: str, signs: str, example:
         shape = " or ".join(f"FIGURE{sign}VALUE" for sign in signs)
         raise UsageError(f"{option} {text}: is not {shape} (write e.g. {option} '{example}')")
     figure = figure_of(scene, match[1], option)
-    return figure, match[2], read_figure(figure, match[3], f"{option} {text}")
+    with gauge_pressures_over(of_ambient(scene)):
+        return figure, match[2], read_figure(figure, match[3], f"{option} {text}")
+
+
+def of_ambient(scene: Varied) -> float | None:
+    """Return the ambient pressure [Pa], over which gauge pressures are read; of two stages that of the first."""
+    return (scene if isinstance(scene, Scene) else scene.first).operation.ambient_pressure
 
 
 def read_figure(figure: str, text: str, where: str, kind: str = "figure") -> float:

@@ -24,6 +24,7 @@ from screwsim.scene.fields import FIXED, Leaf, leaves_of, value_at
 from screwsim.scene.types import FoundWithCycle
 from screwsim.simulate import Trace
 from screwsim.simulate import simulate as simulated
+from screwsim.study import varied
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import DISCRETE_KINDS, check_continuous, shown_value
 from screwsim.study.optimum import results_at
@@ -33,6 +34,10 @@ from screwsim.study.varied import Varied
 DIFFERENCE_STEP = 5e-3  # relative step of a number for differences of closed cycles ...
 # ... at most, for an angle: half a percent of a port's opening angle is three degrees ...
 LARGEST_ANGLE_STEP = math.radians(0.5)
+# ... [K] that of a temperature, half a percent of which is 1.5 K, and of a difference of two, which may be small ...
+TEMPERATURE_STEP = 0.25
+# ... [SI] that of a number that is zero, by its kind, DIFFERENCE_STEP for others ...
+ZERO_STEPS = {"length": 1e-4, "area": 1e-6, "volume": 1e-6, "pressure_difference": 100.0, "power": 1.0}
 DIFFERENCE_ACCURACY = 1e-6  # ... accuracy of these cycles, unless the scene's is finer
 EXCLUDED_SECTIONS = ("numerics.", "output.")  # sections whose numbers do not describe the machine
 GAUGE_REMEDY = "gauge pressures were read relative to it"
@@ -187,11 +192,10 @@ def requested_numbers(of: Varied, paths: Sequence[str], every: Mapping[str, floa
     for path in paths:
         check_continuous(of, path)
         if path not in every:
-            why = "is not stated, or follows from others"
-            if isinstance(of, Scene):
-                follows = isinstance(value_at(of, path), FoundWithCycle) or is_derived(value_at(of, path))
-                why = f"{'follows from others' if follows else 'is not stated'} in this scene"
-            raise UsageError(f"{path}: {why} (state it, or leave it out)")
+            value = varied.value_at(of, path)
+            what = "follows from others" if isinstance(value, FoundWithCycle) or is_derived(value) else "is not stated"
+            where = "this scene" if isinstance(of, Scene) else f"the {path.partition('.')[0]} scene"
+            raise UsageError(f"{path}: {what} in {where} (state it, or leave it out)")
     return {path: every[path] for path in dict.fromkeys(paths or every)}
 
 
@@ -223,7 +227,8 @@ def _differences(
 
 def _shifts(leaf: Leaf, value: float) -> tuple[float, float]:
     """Return the steps by which a number is shifted up and down, within the limits of its leaf."""
-    step = DIFFERENCE_STEP * abs(value) or DIFFERENCE_STEP
+    step = DIFFERENCE_STEP * abs(value) or ZERO_STEPS.get(leaf.kind, DIFFERENCE_STEP)
+    step = TEMPERATURE_STEP if leaf.kind in ("temperature", "temperature_difference") else step
     step = min(step, LARGEST_ANGLE_STEP) if leaf.kind == "angle" else step
     most = leaf.limits.get("le", leaf.limits.get("lt"))
     least = leaf.limits.get("ge", leaf.limits.get("gt"))

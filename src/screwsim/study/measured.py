@@ -21,7 +21,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, leaf_of, with_values
 from screwsim.scene.tolerances import split_coverage
 from screwsim.scene.types import COVERAGE
-from screwsim.scene.units import NUMBER, refused_at, tidy_unit
+from screwsim.scene.units import NUMBER, gauge_pressures_over, is_gauge, refused_at, tidy_unit, without_gauge
 from screwsim.scene.values import within
 from screwsim.study.figures import figure_of
 from screwsim.study.goals import read_figure, refuse_twice
@@ -153,7 +153,8 @@ def _read(scene: Scene, text: str) -> MeasuredFigure:
     unit = unit_behind(half)
     if unit not in ("", "%") and re.fullmatch(NUMBER, value):
         value = f"{value} {unit}"  # 132 ± 2 kW
-    number = read_figure(figure, value, where)
+    with gauge_pressures_over(scene.operation.ambient_pressure):
+        number = read_figure(figure, value, where)
     if not math.isfinite(number):
         raise UsageError(f"{where}: {value} is not a value that can be measured")
     return MeasuredFigure(figure, number, _size(figure, number, value, half, where) / factor if behind else None)
@@ -166,11 +167,13 @@ def _size(figure: str, number: float, value: str, text: str, where: str) -> floa
     """
     unit, own = unit_behind(text), unit_behind(value)
     if not unit and own:  # 132 kW ± 2, 90 degC ± 2
-        text = f"{text} {'K' if declared(figure).units == 'K' and tidy_unit(own) == 'degC' else own}"
+        text = f"{text} {'K' if declared(figure).units == 'K' and tidy_unit(own) == 'degC' else without_gauge(own)}"
     if tidy_unit(unit_behind(text)) in ("degC", "degF"):
         raise UsageError(f"{where}: an uncertainty is a difference (write kelvin, e.g. ± 2 K)")
     if unit == "%" and declared(figure).units == "K":
         raise UsageError(f"{where}: a percentage of a temperature depends on its zero (write kelvin, e.g. ± 2 K)")
+    if unit == "%" and is_gauge(value):
+        raise UsageError(f"{where}: a percentage of a gauge pressure depends on its zero (write e.g. ± 0.1 bar)")
     if unit == "%" and own != "%":
         share = re.fullmatch(rf"({NUMBER})\s*%", text)
         size = 0.01 * float(share[1]) * abs(number) if share else math.nan

@@ -16,7 +16,6 @@ from screwsim.scene import Scene
 from screwsim.study.progress import Progress
 from screwsim.study.tally import Place, Tally
 from screwsim.study.workers import (
-    DEATH_GRACE,
     Chunks,
     ChunkWork,
     LocalPool,
@@ -120,10 +119,7 @@ class BatchWorkers:
     def leave(self) -> None:
         """Stop the workers, which frees their memory; the next batch starts new ones."""
         if self._executor is not None:
-            thread = getattr(self._executor, "_executor_manager_thread", None)
             stop_executor(self._executor)
-            if thread is not None:
-                thread.join(DEATH_GRACE)  # while it runs, new workers would not be forked (`workers.start_method`)
             self._executor = None
 
     def answers(self, task: Callable[[Any], Any], payloads: Sequence[Any]) -> list[Any]:

@@ -11,25 +11,17 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from screwsim.inputs.arguments import checked_arguments, instance
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
-from screwsim.scene import Scene, SceneLike, leaf_of, scene_of, value_at
+from screwsim.scene import Scene, SceneLike, scene_of
 from screwsim.scene.model_errors import CONDITION_WORDS, RATIO, SPEED, shown_condition, stored_model_errors
 from screwsim.scene.types import COVERAGE, Tolerance
-from screwsim.scene.values import within
 from screwsim.study.inputs import shown_figure
-from screwsim.study.local import Sensitivities, sensitivities
-from screwsim.study.optimum import results_at
+from screwsim.study.local import Sensitivities, numeric_paths, sensitivities
 from screwsim.study.progress import Progress
 
-# of a standard uncertainty: tolerated difference of sampled and linear one; for few samples their scatter
-LINEAR_TOLERANCE = 0.25
-MEAN_TOLERANCE = 0.5  # of a standard uncertainty: allowed distance of a sample's mean from the figure
-LEAST_COUNT = 8
 RANGE_MARGIN = 0.01  # of a value: margin by which it may lie outside the validated range
 
 
@@ -63,6 +55,11 @@ class FigureUncertainty:
         """Half of the 95 % interval [SI]."""
         return COVERAGE * self.standard
 
+    def as_json(self, most: int | None = None) -> dict[str, Any]:
+        """Return it as documents have it, with all or the `most` largest contributors."""
+        contributors = [one._asdict() | {"paths": list(one.paths)} for one in self.contributors[:most]]
+        return {"standard": self.standard, "expanded": self.expanded, "contributors": contributors}
+
 
 class FigureSample(NamedTuple):
     """A sample of one figure: mean, standard deviation; what is wrong with the linear estimate, '' for nothing."""
@@ -82,7 +79,7 @@ class Uncertainty(Brief):
     left_out: Mapping[str, str] = field(default_factory=dict)
     sampled: Mapping[str, FigureSample] = field(default_factory=dict)
     samples: int = 0
-    message: str = ""  # why there is no sample
+    message: str = ""  # why there is no sample, or only a part of it
 
     def _about(self) -> About:
         rows, here = [], self.slopes.result.performance
@@ -97,14 +94,7 @@ class Uncertainty(Brief):
 
     def as_json(self, most: int | None = None) -> dict[str, Any]:
         """Return what `run --json` prints under `uncertainty`, with all or the `most` largest contributors."""
-        figures = {
-            name: {
-                "standard": spread.standard,
-                "expanded": spread.expanded,
-                "contributors": [one._asdict() | {"paths": list(one.paths)} for one in spread.contributors[:most]],
-            }
-            for name, spread in self.spreads.items()
-        }
+        figures = {name: spread.as_json(most) for name, spread in self.spreads.items()}
         return {
             "coverage_factor": COVERAGE,
             "groups": [list(group) for group in self.groups],
@@ -124,9 +114,14 @@ def uncertainty(
     scene = scene_of(scene)
     if not scene.uncertain:
         raise UsageError("no input has a tolerance (write one after its value, e.g. gap: 27 um ± 5 um)")
-    found = sensitivities(scene, list(scene.uncertain), jobs=jobs, progress=progress, result=result, fine=False)
+    numbers, why = numeric_paths(scene)
+    paths = [path for path in scene.uncertain if path in numbers]
+    if not paths:
+        raise UsageError(f"all inputs with a tolerance follow from others here: {', '.join(scene.uncertain)}")
+    found = sensitivities(scene, paths, jobs=jobs, progress=progress, result=result, fine=False)
     spreads = spreads_of(scene, found.values, found.derivatives)
-    left_out = {path: found.left_out.get(path, "no derivative") for path in scene.uncertain if path not in found.values}
+    why = {**why, **found.left_out}
+    left_out = {path: why.get(path, "it is not stated") for path in scene.uncertain if path not in found.values}
     return Uncertainty(spreads, found, groups_of(scene), left_out if found.derivatives else {})
 
 
@@ -227,51 +222,3 @@ def _figure_uncertainty(
     ranked = sorted(changes.items(), key=lambda item: -abs(item[1]))
     shares = (Contributor(paths, by * by / variance if variance else 0.0, COVERAGE * by) for paths, by in ranked if by)
     return FigureUncertainty(float(variance**0.5), tuple(shares))
-
-
-def checked_by_sample(
-    scene: Scene, linear: Uncertainty, count: int, *, jobs: int | None = None, progress: Progress | None = None
-) -> Uncertainty:
-    """Return the same with a Sobol sample of the inputs beside it: where both differ, the linear estimate is wrong."""
-    if count < LEAST_COUNT or count & (count - 1):
-        raise UsageError(f"--check-sobol {count}: is not a power of two from {LEAST_COUNT} on (write e.g. 64)")
-    results = results_at(scene, _drawn_inputs(scene, count), jobs=jobs, progress=progress)
-    bad = [result for result in results if result.status != "ok"]
-    if bad:
-        return replace(linear, samples=count, message=f"{len(bad)} of {count} samples have no figures: {bad[0].told}")
-    sampled, here = {}, linear.slopes.result.performance
-    for name, spread in linear.spreads.items():
-        values = [result.performance.get(name) for result in results]
-        if None not in values:
-            sampled[name] = _compared_with_sample(np.array(values, float), here[name], spread.standard)
-    return replace(linear, samples=count, sampled=sampled)
-
-
-def _drawn_inputs(scene: Scene, count: int) -> list[dict[str, float]]:
-    """Return a Sobol sample of the inputs [SI]; correlated inputs move together."""
-    from scipy.stats import norm, qmc
-
-    groups = groups_of(scene)
-    sample = qmc.Sobol(len(groups), scramble=True, rng=1).random(count)
-    deviations = np.asarray(norm.ppf(np.clip(sample, 1e-9, 1.0 - 1e-9)))
-    named = [(i, path) for i, group in enumerate(groups) for path in group]
-    return [{path: _value_within_limits(scene, path, float(row[i])) for i, path in named} for row in deviations]
-
-
-def _value_within_limits(scene: Scene, path: str, deviation: float) -> float:
-    """Return the value [SI] at so many standard uncertainties; clipped to its 95 % interval where out of limits."""
-    value = float(value_at(scene, path))
-    tolerance = scene.uncertain[path].around(value)
-    found = tolerance.at(value, deviation)
-    return found if within(leaf_of(scene, path), found) else tolerance.at(value, float(np.clip(deviation, -2.0, 2.0)))
-
-
-def _compared_with_sample(values: np.ndarray, figure: float, linear: float) -> FigureSample:
-    mean, standard = float(values.mean()), float(values.std(ddof=1))
-    largest, chance = max(standard, linear, 1e-9 * abs(figure)), 2.0 / (2.0 * (len(values) - 1)) ** 0.5
-    wrong = []
-    if abs(standard - linear) > max(LINEAR_TOLERANCE, chance) * largest:
-        wrong.append(f"its spread is {standard / linear if linear else float('inf'):.2g} times the linear one")
-    if abs(mean - figure) > MEAN_TOLERANCE * largest:
-        wrong.append("its mean differs from the figure")
-    return FigureSample(mean, standard, ", and ".join(wrong))

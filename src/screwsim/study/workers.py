@@ -148,11 +148,19 @@ def end_with_parent() -> None:
 
 
 def stop_executor(executor: Executor) -> None:
-    """Stop an executor at once: its unfinished work is no longer wanted."""
+    """Stop an executor at once: its unfinished work is no longer wanted.
+
+    The thread that manages its processes ends with it. If it were still ending at the end of this process, Python would
+    wake it through a pipe that it has closed, and print a traceback. New workers would not be forked beside it
+    (`start_method`).
+    """
     processes, results = dict(getattr(executor, "_processes", None) or {}), getattr(executor, "_result_queue", None)
+    thread = getattr(executor, "_executor_manager_thread", None)
     if processes:
         executor.shutdown(wait=False, cancel_futures=True)
         _kill(processes.values(), results)  # they hold nothing: only this process writes files
+        if thread is not None:
+            thread.join(DEATH_GRACE)
         return
     try:  # dask's executor has no `cancel_futures`: it cancels them in any case
         executor.shutdown(wait=False)

@@ -67,7 +67,15 @@ class Response:
 def extremes(curve: Array) -> tuple[float, float]:
     """Return the lowest and the highest value of a curve over a pitch, also between its points."""
     fine = collocation.resampled(curve, FINE)
-    return float(fine.min()), float(fine.max())
+    return -_top(-fine), _top(fine)
+
+
+def _top(fine: Array) -> float:
+    """Return the top of the parabola through the highest of a period's evenly spaced values and its neighbours."""
+    i = int(fine.argmax())
+    before, most, after = (float(fine[k % len(fine)]) for k in (i - 1, i, i + 1))
+    bend = before - 2.0 * most + after
+    return most - (before - after) ** 2 / (8.0 * bend) if bend < 0.0 else most
 
 
 def peak_to_peak(curve: Array) -> float:

@@ -19,7 +19,15 @@ from screwsim.scene import Scene, leaf_of, lines
 from screwsim.scene.fields import Leaf, leaves_of, unknown_key
 from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.tolerances import COVERAGE_FACTOR, split_coverage
-from screwsim.scene.units import NUMBER, Refused, gauge_pressures_over, parse_quantity, tidy_unit
+from screwsim.scene.units import (
+    NUMBER,
+    Refused,
+    gauge_pressures_over,
+    likely_unit,
+    parse_quantity,
+    refuse_traps,
+    tidy_unit,
+)
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
 from screwsim.study.calibration.fit import Measurement, Point
@@ -191,7 +199,8 @@ def units_of(figure: str) -> Mapping[str, float]:
 def quantity_of(figure: str, kind: str, unit: str) -> Kind | None:
     """Return the dimension of a figure, or of its uncertainty, among those of scenes that know the unit; else None.
 
-    Raise `Refused` for an uncertainty in a unit with a zero of its own (barg, degF).
+    Raise `Refused` for an uncertainty in a unit with a zero of its own (barg, degF), for a unit that scenes refuse by
+    name (barg, Hz), and for another spelling of one (psia, cfm).
     """
     si = tidy_unit(si_unit(declared(figure).units))
     named = [each for each in KINDS.values() if each.si == si]
@@ -204,6 +213,10 @@ def quantity_of(figure: str, kind: str, unit: str) -> Kind | None:
     if differences and wanted[:1] == differences[:1] and _is_unit_of(absolute[0], unit):
         what = "an uncertainty" if kind == "uncertainty" else "a difference"
         raise Refused(f"unit {shown(unit)} has an offset zero, and this is {what} (write {si})")
+    for named in wanted:
+        refuse_traps(named, unit, f"unit {shown(unit)}")
+        if meant := likely_unit(named, unit):
+            raise Refused(f"unit {shown(unit)} is not known (write {meant})")
     return None
 
 

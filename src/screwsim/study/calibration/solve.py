@@ -17,6 +17,7 @@ from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
 from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
 from screwsim.study.calibration.machine import prepare
+from screwsim.study.calibration.other_inputs import InputShift, input_shifts
 from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Residuals, Simulate, reasons_of
 from screwsim.study.inputs import shown_value
 from screwsim.study.parallel import parallel_map
@@ -80,6 +81,7 @@ class Calibration(Brief):
     jacobians: int = 0
     methods: Mapping[str, str] = field(default_factory=dict)  # by path: '' for exact slopes, else why differences
     warnings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # of points that warn at the best values
+    shifts: tuple[InputShift, ...] = ()  # of the values by the tolerances of inputs that are not fitted
 
     @property
     def scale(self) -> float:
@@ -234,6 +236,7 @@ def _calibration_of_starts(
         return Calibration(fit, "failed", reason, tuple(starts), {}, *nothing, **_counts(starts))
     asked = Objective(fit, simulate)
     places, known = np.array(best.places), None
+    shifts: tuple[InputShift, ...] = ()
     if not interrupted:
         if _search(asked, places, confirmed=True) and asked.best is not None:
             best = replace(best, status="ok", message="")
@@ -242,6 +245,8 @@ def _calibration_of_starts(
         best = replace(best, places=tuple(places.tolist()), cost=asked.best[0])
         slopes, off = asked.slopes(places), asked.outcome(places).known
         known = certainty(fit.parameters, places, slopes, off, apart=asked.apart(slopes), together=fit.together)
+        if simulate is None:
+            shifts = input_shifts(fit, places, slopes, asked.outcome(places), asked.values(places))
     outcome = asked.outcome(places)
     values = asked.values(places)
     compared, reasons, warned = _compared(asked, outcome, values)
@@ -252,7 +257,7 @@ def _calibration_of_starts(
     status = "interrupted" if interrupted else "failed" if outcome.reasons else "ok"
     message = _message(outcome, best, interrupted, len(starts))
     rest = (known, outcome.chi_squared, freedom, margin, as_good, compared, reasons)
-    more: dict[str, Any] = {**_counts((*starts, asked)), "methods": asked.methods, "warnings": warned}
+    more: dict[str, Any] = {**_counts((*starts, asked)), "methods": asked.methods, "warnings": warned, "shifts": shifts}
     return Calibration(fit, status, message, tuple(starts), values, *rest, **more)
 
 

@@ -38,6 +38,8 @@ def limit_text(figure: str, value: float, units: Units = METRIC) -> str:
     about = declared(figure)
     if about.units == "K":
         return units.degrees(value)
+    if about.units == "kelvin":
+        return units.difference(value)
     if about.units == "1":
         return figure_text(about, value)
     si = about.shown or about.units

@@ -110,7 +110,12 @@ US = Units(
         "kg h-1": Measure(HOUR / POUND, "lb/h"),
         "W s m-3": Measure(100.0 * CFM / HORSEPOWER, "hp/(100 cfm)"),
         "m": Measure(12.0 / FOOT, "in"),
+        "m3": Measure(1.0 / INCH**3, "in³"),
+        "kg": Measure(1.0 / POUND, "lb"),
         "N": Measure(1.0 / POUND_FORCE, "lbf"),
+        "N m": Measure(1.0 / (POUND_FORCE * FOOT), "lbf ft"),
+        "J": Measure(1.0 / (POUND_FORCE * FOOT), "ft lbf"),
+        "J m-3": Measure(FOOT**3 / BTU, "Btu/ft³"),
     },
 )
 BY_NAME = {"metric": METRIC, "us": US}

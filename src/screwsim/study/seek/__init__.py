@@ -10,14 +10,16 @@ from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene, SceneLike, case_count, case_values
 from screwsim.scene.grid import with_sweep_over
+from screwsim.scene.units import gauge_pressures_over
 from screwsim.study.figures import figure_of
-from screwsim.study.goals import Goal, read_figure, read_goals
+from screwsim.study.goals import Goal, of_ambient, read_figure, read_goals
 from screwsim.study.inputs import check_fit, read_text, shown_value
 from screwsim.study.optimum import Simulate, simulator
 from screwsim.study.parallel import WarmSimulation, parallel_map
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.answer import GoalSeekAnswer, answer_of_trials, next_size, read_catalogue
+from screwsim.study.seek.by_inputs import uncertainties_by_inputs
 from screwsim.study.seek.trials import ReportedSimulation, Trial, Trials
 from screwsim.study.spans import Span, read_spans
 from screwsim.study.stages import scene_or_stages
@@ -75,7 +77,8 @@ def _goals(scene: Varied, goals: GoalsArgument) -> tuple[Goal, ...]:
     if not isinstance(goals, Mapping) or not goals:
         return read_goals(scene, as_list(goals) if goals else ())
     named = {figure_of(scene, name, "goal"): value for name, value in goals.items()}
-    return tuple(Goal(figure, _wanted(figure, value)) for figure, value in named.items())
+    with gauge_pressures_over(of_ambient(scene)):
+        return tuple(Goal(figure, _wanted(figure, value)) for figure, value in named.items())
 
 
 def _wanted(figure: str, value: Any) -> float:
@@ -138,7 +141,9 @@ def find_each(
     return parallel_map(
         partial(_answer_at_point, rest, asked, simulate),
         count,
-        died=lambda number: GoalSeekAnswer("failed", asked.spans, asked.goals, WORKER_DIED, case_values(rest, number)),
+        died=lambda number: GoalSeekAnswer(
+            "failed", asked.spans, asked.goals, WORKER_DIED, case_values(rest, number), searched=case(rest, number)
+        ),
         jobs=jobs,
         progress=progress,
     )
@@ -153,7 +158,15 @@ def _answer_at_point(rest: Varied, asked: Question, simulate: Simulate | None, n
     if met is not None:
         values = rounded(trials.scene, found.values)
         found = replace(found, values=values, scene=with_text(with_values(trials.scene, values)))
+        found = _with_uncertainties_by_inputs(found, [goal.figure for goal in asked.goals])
     return _with_catalogue_size(trials, found, met, asked) if asked.sizes and found.status != "failed" else found
+
+
+def _with_uncertainties_by_inputs(found: GoalSeekAnswer, figures: Sequence[str]) -> GoalSeekAnswer:
+    """Return an answer with the uncertainties of its values by the tolerances of other inputs."""
+    assert found.scene is not None
+    spreads, why = uncertainties_by_inputs(found.scene, found.result, found.values, figures)
+    return replace(found, by_inputs=spreads, message="; ".join(filter(None, (found.message, why))))
 
 
 def _with_catalogue_size(trials: Trials, found: GoalSeekAnswer, met: Trial | None, asked: Question) -> GoalSeekAnswer:

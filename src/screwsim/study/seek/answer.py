@@ -17,6 +17,7 @@ from screwsim.study.inputs import read_text, shown_figure, shown_range, shown_va
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.trials import Trial, Trials
 from screwsim.study.spans import LOWER, UPPER, Span
+from screwsim.study.uncertain import FigureUncertainty
 from screwsim.study.varied import Varied
 
 SAME_SIZE = 1e-9  # relative difference below which a size equals the value
@@ -39,7 +40,8 @@ class GoalSeekAnswer(Brief):
 
     `status` is ok; none: nothing in the ranges meets the goals, `values` and `figures` are those of the nearest
     solution; failed: no solution has the figures. `uncertainties` are those of the values due to the figures' estimated
-    numerical `errors` (absolute); `borders` names the end of a range at which a value lies.
+    numerical `errors` (absolute), `by_inputs` those due to the tolerances of the scene's other inputs; `borders` names
+    the end of a range at which a value lies.
     """
 
     status: str  # ok | none | failed
@@ -49,6 +51,7 @@ class GoalSeekAnswer(Brief):
     at: Mapping[str, Any] = field(default_factory=dict)
     values: Mapping[str, float] = field(default_factory=dict)
     uncertainties: Mapping[str, float | None] = field(default_factory=dict)
+    by_inputs: Mapping[str, FigureUncertainty] = field(default_factory=dict)
     figures: Mapping[str, float] = field(default_factory=dict)
     errors: Mapping[str, float] = field(default_factory=dict)
     borders: Mapping[str, str] = field(default_factory=dict)
@@ -57,22 +60,23 @@ class GoalSeekAnswer(Brief):
     failed: int = 0
     scene: Varied | None = None  # with the values found; for a catalogue, with the size
     result: Result | None = None
+    searched: Varied | None = None  # the scene at this point, before the values were set
 
     def _about(self) -> About:
-        scene, rows = self.scene, []
-        for path, value in self.at.items():
-            rows.append(("at", path, f"{value:.6g}" if isinstance(value, float) else str(value)))
-        for path, value in self.values.items():
-            rows.append(("value", path, f"{value:.6g} (SI)" if scene is None else shown_value(scene, path, value)))
+        rows = [("at", path, self._shown(path, value)) for path, value in self.at.items()]
+        rows += [("value", path, self._shown(path, value)) for path, value in self.values.items()]
         rows += [("figure", name, shown_figure(name, value)) for name, value in self.figures.items()]
         asked = ", ".join(f"{goal.figure} = {shown_figure(goal.figure, goal.value)}" for goal in self.goals)
         notes = [self.message] if self.message else []
         return About(f"Found: {self.status}, for {asked}", notes, ("", "name", "is"), rows)
 
+    def _shown(self, path: str, value: Any) -> str:
+        return str(value) if self.searched is None else shown_value(self.searched, path, value)
+
 
 def answer_of_trials(trials: Trials, met: Trial | None, at: Mapping[str, Any]) -> GoalSeekAnswer:
     """Return the answer of a search."""
-    head: dict[str, Any] = {"spans": trials.spans, "goals": trials.goals, "at": at}
+    head: dict[str, Any] = {"spans": trials.spans, "goals": trials.goals, "at": at, "searched": trials.scene}
     count = trials.counts["solutions"]
     told = f"{len(trials.reasons)} of {count} solutions: {trials.reasons[0]}" if trials.reasons else ""
     best = met or trials.nearest

@@ -5,6 +5,7 @@ What the chain solves for cannot be varied: the discharge line of the first stag
 
 from __future__ import annotations
 
+import shlex
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import paths_ending_in
+from screwsim.outputs import STAGES
 from screwsim.scene.fields import Leaf, leaves_of, section_of, unknown_key
 from screwsim.scene.grid import leaf_of
 from screwsim.scene.operation import line_axis_faults
@@ -33,6 +35,7 @@ SOLVED = {  # beginnings of paths that the chain replaces by what it finds
     ),
     "second": ("operation.suction.", "operation.evaporating_temperature", "operation.superheat"),
 }
+MOST_MEANT = 4  # paths that are offered for one without a stage
 NOTHING, COOLS, FLASHES = "none", "cooler", "economizer"
 INTERCOOLER_KINDS = {  # what lies between both stages, in words
     NOTHING: "The second stage draws in the gas as the first one delivers it (M201).",
@@ -84,7 +87,10 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
     if (path if stage in STAGE_NAMES else name).startswith(COMMON):
         raise Refused("is the same in both stages (vary it by two files, or with --set in both)")
     if stage not in STAGE_NAMES:
-        raise Refused(f"starts with none of first., second., {BETWEEN}. (write e.g. {_meant(chain, name)})")
+        meant, usual = _meant(chain, name), f"{STAGE_NAMES[0]}.operation.speed"
+        if name in STAGES and not meant:
+            raise Refused(f"is a figure, which follows from the inputs (vary e.g. {usual})")
+        raise Refused(f"starts with none of first., second., {BETWEEN}. (write e.g. {meant or usual})")
     if path.startswith(SOLVED[stage]):
         line = "discharge line" if stage == STAGE_NAMES[0] else "suction line"
         raise Refused(f"belongs to the {line}, which follows from the other stage (leave it out)")
@@ -99,14 +105,47 @@ def leaf_in_chain(chain: StageChain, name: str) -> Leaf:
 
 
 def _meant(chain: StageChain, name: str) -> str:
-    """Return an input that may vary and ends in a name without a stage, else the speed of the first stage."""
-    paths = {stage: (name, *paths_ending_in(name, leaves_of(scene))) for stage, scene in chain.by_stage.items()}
-    for part, ends in {BETWEEN: (name,), **paths}.items():
-        for each in (f"{part}.{path}" for path in ends):
-            with suppress(Refused):
-                leaf_in_chain(chain, each)
-                return each
-    return f"{STAGE_NAMES[0]}.operation.speed"
+    """Return the inputs that may vary and end in a name without a stage; empty where there is none.
+
+    The name may have another word for a stage before it, as that of a file.
+    """
+    names = (name, name.partition(".")[2])
+    for each in filter(None, names):
+        if each in LEAVES and _may_vary(chain, f"{BETWEEN}.{each}"):
+            return f"{BETWEEN}.{each}"
+        ends = {stage: (each, *paths_ending_in(each, leaves_of(scene))) for stage, scene in chain.by_stage.items()}
+        options = ([f"{stage}.{path}" for path in paths] for stage, paths in ends.items())
+        found = [next((path for path in paths if _may_vary(chain, path)), None) for paths in options]
+        if any(found):
+            return " or ".join(path for path in found if path)
+    return ""
+
+
+def _may_vary(chain: StageChain, name: str) -> bool:
+    with suppress(Refused):
+        leaf_in_chain(chain, name)
+        return True
+    return False
+
+
+def override_meant(chain: StageChain | None, override: str) -> str:
+    """Return what to write instead of an override PATH=VALUE without a stage: of one stage, of either, or of both.
+
+    Without a chain, whose scenes have faults, no path is known.
+    """
+    name, equals, value = override.partition("=")
+    found = []
+    for stage, scene in ({} if chain is None else chain.by_stage).items():
+        known = [*leaves_of(scene), *(f"effects.{effect}" for effect in scene.effects)]
+        paths = [name] if name in known else paths_ending_in(name, known)
+        found += [f"{stage}.{path}" for path in paths if not path.startswith(SOLVED[stage])]
+    if not 0 < len(found) <= MOST_MEANT:
+        return f"write the whole path, e.g. --set '{STAGE_NAMES[0]}.operation.speed=3000 rpm'"
+    options = [f"--set {shlex.quote(f'{path}{equals}{value}')}" for path in found]
+    own = {path.partition(".")[2] for path in found}
+    if all(path.startswith(COMMON) for path in own):
+        return f"write {' '.join(options)}"
+    return f"write {' or '.join(options)}{', or both' if len(own) < len(found) else ''}"
 
 
 def _leaf_between(chain: StageChain, key: str) -> Leaf:

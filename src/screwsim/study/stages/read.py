@@ -35,6 +35,7 @@ from screwsim.study.stages.axes import (
     Intercooler,
     leaf_in_chain,
     names_in_chain,
+    override_meant,
 )
 from screwsim.study.stages.needs import absences, lacked
 
@@ -177,7 +178,7 @@ def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> 
     name = shipped_name(path)
     problems = LocatedFaults()
     root = _root(name, problems)
-    chain = None if root is None else _typed(root, _overrides_by_stage(overrides), problems)
+    chain = None if root is None else _typed(root, _overrides_by_stage(root, overrides), problems)
     if problems or chain is None:
         raise problems.error()
     return chain
@@ -193,17 +194,29 @@ def _root(name: str, problems: LocatedFaults) -> Node | None:
     return root if root is not None and isinstance(root.value, dict) else None
 
 
-def _overrides_by_stage(overrides: Iterable[str]) -> dict[str, list[str]]:
+def _overrides_by_stage(root: Node, overrides: Iterable[str]) -> dict[str, list[str]]:
+    """Return the overrides of each stage without its name; raise UsageError for one that names no stage."""
     found: dict[str, list[str]] = {name: [] for name in STAGE_NAMES}
     for override in overrides:
         head, _, rest = override.partition(".")
-        if head.partition("=")[0] in KEYS:
+        if (key := head.partition("=")[0]) in KEYS or key in LEAVES:
             raise UsageError(f"--set {override}: belongs to the two-stage file (write it there)")
         if head not in found or not rest:
             what = "starts with neither first. nor second., which name the stage"
-            raise UsageError(f"--set {override}: {what} (write e.g. --set first.{override})")
+            raise UsageError(f"--set {override}: {what} ({override_meant(_unchanged(root), override)})")
+        if rest.startswith(("sweep.", "sweep=")):
+            what = "is left aside, as two stages have one sweep"
+            raise UsageError(f"--set {override}: {what} (write sweep: {{{head}.PATH: […]}} in the two-stage file)")
         found[head].append(rest)
     return found
+
+
+def _unchanged(root: Node) -> StageChain | None:
+    """Return the chain as it is in its files; None where they have faults."""
+    try:
+        return _typed(root, {name: [] for name in STAGE_NAMES}, LocatedFaults())
+    except SceneError:
+        return None
 
 
 def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults) -> StageChain | None:

@@ -60,19 +60,34 @@ def with_uncertainty(chain: StageChain, found: ChainResult) -> ChainResult:
     if found.status != "ok" or not tolerances.uncertain:
         return found
     try:
-        linear = linear_chain(chain, found, tolerances.uncertain)
-        values = ((name, each, float(chain.value_at(name))) for name, each in tolerances.uncertain.items())
-        slopes = ChainDerivatives(linear, {name: INPUT_STEP * each.standard_at(value) for name, each, value in values})
-    except (UsageError, Stop) as error:
+        told, slopes = chain_uncertainty(chain, found)
+    except UsageError as error:
         return replace(found, warnings=(*found.warnings, f"no uncertainty from the inputs: {error}"))
-    whole = Result("ok", performance=found.performance)
-    told = slopes.uncertainty(whole, slopes.whole, tolerances)
     stages = tuple(
         replace(each, uncertainty=slopes.uncertainty(each, own, tolerances).as_json())
         for each, own in zip(found.stages, slopes.stages, strict=True)
     )
-    lost = (f"the tolerance of {path} is not included in the uncertainties: {why}" for path, why in linear.lost.items())
+    lost = (
+        f"the tolerance of {path} is not included in the uncertainties: {why}" for path, why in told.left_out.items()
+    )
     return replace(found, uncertainty=told.as_json(), stages=stages, warnings=(*found.warnings, *lost))
+
+
+def chain_uncertainty(chain: StageChain, found: ChainResult) -> tuple[Uncertainty, ChainDerivatives]:
+    """Return the uncertainties of the figures of both together, and the derivatives by the inputs with a tolerance.
+
+    Raise UsageError where a stage has no derivatives by its lines, or no input has a tolerance.
+    """
+    tolerances = tolerances_of(chain)
+    if not tolerances.uncertain:
+        raise UsageError("no input has a tolerance (write one after its value, e.g. gap: 27 um ± 5 um)")
+    try:
+        linear = linear_chain(chain, found, tolerances.uncertain)
+        values = ((name, each, float(chain.value_at(name))) for name, each in tolerances.uncertain.items())
+        slopes = ChainDerivatives(linear, {name: INPUT_STEP * each.standard_at(value) for name, each, value in values})
+    except Stop as stop:
+        raise UsageError(str(stop)) from None
+    return slopes.uncertainty(Result("ok", performance=found.performance), slopes.whole, tolerances), slopes
 
 
 @dataclass(frozen=True)

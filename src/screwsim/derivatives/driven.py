@@ -1,0 +1,62 @@
+"""The response of a drive: how numbers change the speed over the angle, which the torque of the chambers makes.
+
+The curve of the speed is among the numbers of the rates. A direction's change of it is a fixed point: the cycle
+responds to the direction and to the curve, the drive to the torque of that cycle (docs/model.md M214, M217). A ripple
+changes the torque by much less than itself, so that a few rounds suffice.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from screwsim.derivatives.collocation import CollocatedCycle, NotClosed
+from screwsim.derivatives.directions import Direction, Directions
+from screwsim.derivatives.response import CycleResponse, responses, shifted_evaluation, unshifted_evaluation
+from screwsim.evaluate.evaluation import Evaluation
+from screwsim.machine.drive.response import NoMotion
+from screwsim.model import speed
+from screwsim.solve.drive import speed_curve_of
+
+Array = np.ndarray
+MOST_ROUNDS = 12  # rounds of chambers and drive
+SETTLED = 1e-6  # last change of the squared relative speed, per share of a number, at which rounds end
+
+
+def closed_with_drive(
+    cycle: CollocatedCycle, directions: Sequence[Direction], all_directions: Directions
+) -> tuple[list[Direction], CycleResponse]:
+    """Return directions (at least one) with the response of the drive, where there is one, and that of the cycle."""
+    composition, found = cycle.pitch.machinery.composition, list(directions)
+    moves = responses(cycle, found, all_directions)
+    if composition.speed_curve is None:
+        return found, moves
+    own = _curve_of(unshifted_evaluation(cycle, all_directions))
+    last, moved = np.zeros((len(found), speed.ROWS - 1)), np.inf
+    for _ in range(MOST_ROUNDS):
+        curves = []
+        for j, each in enumerate(found):
+            there = _curve_of(shifted_evaluation(cycle, each, moves.by(j), all_directions))
+            curves.append((there - own) / each.step)
+        now = np.array([speed.squares_at(each, 0) for each in curves])
+        moved, before = float(np.abs(now - last).max()), moved
+        if moved <= SETTLED:
+            return found, moves
+        at = speed.curve_places(composition)
+        found, last = [each.with_parameters(at, change) for each, change in zip(directions, curves, strict=True)], now
+        moves = responses(cycle, found, all_directions)
+        if moved * moved <= SETTLED * before < np.inf:  # what the next round would still change
+            return found, moves
+    raise NotClosed("the response of the drive does not converge")
+
+
+def _curve_of(of: Evaluation) -> Array:
+    """Return the packed curve of the speed that the drive makes of a cycle's torque."""
+    part = of.problem.parts.shaft
+    assert part is not None  # the speed has a curve
+    try:
+        curve = speed_curve_of(part.respond(of.complete), of.problem.parts.geometry.pitch)
+    except NoMotion as reason:
+        raise NotClosed(str(reason)) from None
+    if curve is None:
+        raise NotClosed("the drive nearly stops")
+    return curve

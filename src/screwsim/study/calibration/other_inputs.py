@@ -1,0 +1,73 @@
+"""How far the tolerances of inputs that are not fitted move the fitted parameters.
+
+The best fit x satisfies Jᵀ r = 0. An input that is off by one standard uncertainty changes the residuals r by s, by its
+own slopes at every point, and with them the parameters by −(JᵀJ)⁻¹ Jᵀ s. Linear; parameters at a bound stay there.
+
+Source: JCGM 100:2008 (GUM), section 5.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.study.calibration.fit import Fit
+from screwsim.study.calibration.identifiability import active_bounds
+from screwsim.study.calibration.machine import Group, residual_shifts
+from screwsim.study.calibration.residuals import Array, Residuals
+from screwsim.study.uncertain import groups_of
+
+
+class InputShift(NamedTuple):
+    """Correlated inputs that are not fitted, one or more, and the changes [SI] of the parameters by one standard
+    uncertainty of theirs; zero for a parameter at a bound.
+    """
+
+    paths: Group
+    changes: tuple[float, ...]
+
+
+def other_inputs(fit: Fit) -> tuple[Group, ...]:
+    """Return the groups of inputs with a tolerance that are neither fitted nor follow a parameter."""
+    own = fit.changes(fit.first_start())
+    groups = (tuple(path for path in group if path not in own) for group in groups_of(fit.scene))
+    return tuple(group for group in groups if group)
+
+
+def input_shifts(
+    fit: Fit, places: Array, slopes: Array, outcome: Residuals, values: dict[str, float]
+) -> tuple[InputShift, ...]:
+    """Return the shifts of the best values by the tolerances of other inputs.
+
+    `slopes` are those of all residuals over the places; points without a solution have no part.
+    """
+    groups = other_inputs(fit)
+    if not groups:
+        return ()
+    parts = []
+    for point in fit.fitted:
+        found = outcome.results[point.name]
+        solved = found.status == "ok"
+        changes = residual_shifts(fit.at(point, values), point, groups, found) if solved else ()
+        parts.append(np.column_stack(changes) if solved else np.zeros((len(point.measured), len(groups))))
+    shifts = np.vstack([*parts, np.zeros((len(fit.held), len(groups)))])
+    shifts[outcome.unsolved] = 0.0
+    return tuple(
+        InputShift(group, moved) for group, moved in zip(groups, _moved(fit, places, slopes, shifts), strict=True)
+    )
+
+
+def _moved(fit: Fit, places: Array, slopes: Array, shifts: Array) -> list[tuple[float, ...]]:
+    """Return by group the changes [SI] of the parameters, from the changes of the residuals (n, groups)."""
+    free = [index for index, bound in enumerate(active_bounds(places)) if not bound]
+    moved = np.zeros((len(fit.parameters), shifts.shape[1]))
+    if free:
+        moved[free] = -np.linalg.lstsq(slopes[:, free], shifts, rcond=None)[0]
+    scales = [each.slope(each.value(float(place))) for each, place in zip(fit.parameters, places, strict=True)]
+    return [tuple(map(float, column)) for column in (moved * np.array(scales)[:, None]).T]
+
+
+def errors_by_inputs(shifts: Sequence[InputShift], count: int) -> tuple[float, ...]:
+    """Return the standard errors [SI] of so many parameters by all other inputs together."""
+    changes = np.array([shift.changes for shift in shifts]).reshape(len(shifts), count)
+    return tuple(map(float, np.sqrt(np.sum(changes**2, axis=0))))

@@ -1,0 +1,39 @@
+"""Derivatives where a drive moves the rotors: the mean speed and the speed over the angle respond, too."""
+
+from pathlib import Path
+
+import pytest
+
+import screwsim
+from screwsim.scene import with_values
+from screwsim.scene.fields import value_at
+from screwsim.simulate import simulate
+from screwsim.study.local import sensitivities
+
+DRIVES = Path(__file__).parents[2] / "configs" / "drive"
+FIGURES = ("gas_mass_flow", "shaft_power", "isentropic_efficiency", "coupling_torque_amplitude", "speed_ripple")
+SHARE = 1e-3  # of a number, for differences
+CLOSE = 2e-3  # of a slope: cycles at 1e-6 have narrower layers around reversals, which alone change it by 1e-3
+NOISE = 3e-5  # percent per percent, of these differences
+
+
+@pytest.mark.parametrize(
+    ("file", "speed", "path"),
+    [
+        ("induction.yaml", "3000 rpm", "operation.speed"),  # the motor's no-load speed
+        ("induction.yaml", "3000 rpm", "effects.drive.motor.breakdown_slip"),  # through the mean speed
+        ("point.yaml", "700 rpm", "effects.drive.rotor_inertia"),  # through the ripple, of ten percent, alone
+        ("point.yaml", "700 rpm", "operation.discharge.pressure"),
+        ("rubber_cord.yaml", "900 rpm", "effects.drive.coupling.damping"),
+    ],
+)
+def test_slopes_are_those_of_cycles_closed_with_their_drive(file, speed, path):
+    scene = screwsim.load(DRIVES / file, [f"operation.speed={speed}"])
+    found, value = sensitivities(scene, [path], FIGURES), value_at(scene, path)
+    fine = with_values(scene, {"numerics.accuracy": 1e-6})
+    high, low = (simulate(with_values(fine, {path: value * by}), trace=False) for by in (1.0 + SHARE, 1.0 - SHARE))
+    assert found.method[path] == "exact"
+    for name in FIGURES:
+        one, other = (each.performance[name] for each in (high, low))
+        slope = (one - other) / (2.0 * SHARE) / found.result.performance[name]
+        assert found.relative(name, path) == pytest.approx(slope, rel=CLOSE, abs=NOISE), name
