@@ -144,6 +144,11 @@ def test_a_machine_through_which_more_flows_back_says_so_in_its_first_line(capsy
     assert "more flows back" not in "\n".join(printed(Result("ok", performance=Figures(FEW)), capsys))
 
 
+def test_a_case_that_failed_before_it_was_integrated_has_no_line_on_numerics(capsys):
+    """It was a head without a word behind it."""
+    assert not any(line.startswith("numerics") for line in printed(Result("failed", "no such state"), capsys))
+
+
 def test_what_is_left_out_stands_below_the_numerics(capsys):
     print_result("a title", Result("ok", performance=Figures(FEW)), ["leaks simulated: tip only; typical scenes name"])
     assert capsys.readouterr().out.splitlines()[-1] == "leaks simulated: tip only; typical scenes name"

@@ -143,7 +143,7 @@ def _hot_oil(checked: CheckedCycle) -> Iterator[Doubt]:
         return
     seen = (checked.found.get(name) for name in ("oil_discharge_temperature", "mixture_discharge_temperature"))
     T, highest = max((each for each in seen if each is not None), default=0.0), OILS[oil.name].high
-    if T > highest:
+    if highest < T <= HOTTEST:
         words = f"the oil leaves at {in_celsius(T)}, above the {in_celsius(highest)} up to which {oil.name} is known"
         yield Doubt(f"{words} (use more or cooler oil)")
 

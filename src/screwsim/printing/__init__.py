@@ -195,7 +195,8 @@ def _remarks(result: Result) -> Iterable[str]:
         if balance.get("oil_residue") is not None:
             text += f"; oil residual {balance['oil_residue']:.3g} W (paper's transport of oil)"
         yield text
-    yield _numerics(result.numerics)
+    if result.numerics:
+        yield _numerics(result.numerics)
     if result.performance and not result.error:
         yield "error: not estimated, because the finer solution it needs did not close"
 

@@ -73,6 +73,8 @@ CARBON_DIOXIDE = Cylinder(
 FLOW, SMALL_FLOW = 10.0 / 3600.0, 1.5 / 3600.0  # [m³/s] default displacement of a cylinder; of CO2, which is denser
 LITTLE_SUPERHEAT = 8.0  # [K] below which gas may get wet where it expands into the cylinder: up to 4 K do at 1450 rpm
 ESTIMATED_EFFICIENCY = 0.65  # for an estimate of the power
+CUBE = math.pi**2 / 6.0  # mean cube of a piston's sinusoidal speed over the cube of its mean
+BESIDE_VALVES = 0.75  # efficiency beside losses in valves, which prevail where both pressures are close
 
 
 def reciprocating(asked: SceneRequest) -> str:
@@ -112,6 +114,12 @@ def _valves(of: Cylinder, fluid: str, duty: Duty, s: float, speed: float) -> dic
     }
 
 
+def _valve_losses(duty: Duty, found: Mapping[str, valves.Valve], flow: float) -> float:
+    """Return the estimated power [W] lost in both valves: that of each pressure drop and the flow [m³/s] through it."""
+    flows = {"suction": flow, "discharge": flow * (duty.p_s / duty.p_d) ** (1.0 / duty.k)}
+    return sum(CUBE * each.stiffness * each.stop / each.area * flows[side] for side, each in found.items())
+
+
 def _wall(fluid: str, p_s: float, T_s: float, T: float) -> str:
     """Return the line on heat between suction gas [Pa, K] and wall [K], or why there is none."""
     try:
@@ -133,7 +141,8 @@ def _text(
     speed: float,
     cooled: bool,
 ) -> str:
-    rated = sizes.motor_for(duty.gas_flow * duty.work / ESTIMATED_EFFICIENCY)
+    lossless, lost = duty.gas_flow * duty.work, _valve_losses(duty, found, flow)
+    rated = sizes.motor_for(max(lossless / ESTIMATED_EFFICIENCY, (lossless + lost) / BESIDE_VALVES))
     T_s = duty.T_e + duty.more
     values = {
         **_warm_side(duty, cooled),
