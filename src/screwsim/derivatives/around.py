@@ -14,8 +14,10 @@ import numpy as np
 from screwsim.build import Temperatures, open_temperatures, with_temperatures
 from screwsim.build.open_values import with_coordinates
 from screwsim.cycle.problem import Problem, Series, problem_of
+from screwsim.derivatives.collocation import NotClosed
 from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
+from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.scene import Scene, with_values
 from screwsim.solve.surroundings import KPA, implied_surroundings, unknowns_of
 
@@ -45,10 +47,19 @@ def implied_changes(of: Evaluation) -> Array:
     """Return the changes of the coordinates [K, kPa] that a cycle implies; zeros where gas and oil do not separate."""
     problem, asked = of.problem, implied_surroundings(of)
     off = np.zeros(len(unknowns_of(problem))) if asked is None else asked.off
-    part = problem.parts.shaft
-    if part is None or not speed_follows(problem):
+    if not speed_follows(problem):
         return off
-    return np.append(off, SPEED_SCALE * math.log(part.respond(of.complete).mean_speed / problem.parts.omega))
+    return np.append(off, SPEED_SCALE * math.log(motion_of(of).mean_speed / problem.parts.omega))
+
+
+def motion_of(of: Evaluation) -> Response:
+    """Return the motion of the drive under a cycle's torque; raise NotClosed where it has none."""
+    part = of.problem.parts.shaft
+    assert part is not None  # asked only where there is a drive
+    try:
+        return part.respond(of.complete)
+    except NoMotion as reason:
+        raise NotClosed(str(reason)) from None
 
 
 def problem_at(problem: Problem, series: Series, x: Array) -> Problem:

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from screwsim.derivatives.around import motion_of
 from screwsim.derivatives.collocation import CollocatedCycle, NotClosed
 from screwsim.derivatives.directions import Direction, Directions
 from screwsim.derivatives.response import CycleResponse, responses, shifted_evaluation, unshifted_evaluation
 from screwsim.evaluate.evaluation import Evaluation
-from screwsim.machine.drive.response import NoMotion
 from screwsim.model import speed
 from screwsim.solve.drive import speed_curve_of
 
@@ -51,12 +51,7 @@ def closed_with_drive(
 
 def _curve_of(of: Evaluation) -> Array:
     """Return the packed curve of the speed that the drive makes of a cycle's torque."""
-    part = of.problem.parts.shaft
-    assert part is not None  # the speed has a curve
-    try:
-        curve = speed_curve_of(part.respond(of.complete), of.problem.parts.geometry.pitch)
-    except NoMotion as reason:
-        raise NotClosed(str(reason)) from None
+    curve = speed_curve_of(motion_of(of), of.problem.parts.geometry.pitch)
     if curve is None:
         raise NotClosed("the drive nearly stops")
     return curve

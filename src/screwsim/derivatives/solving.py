@@ -167,7 +167,7 @@ def scene_derivatives(scene: Scene, values: Mapping[str, float], fineness: Finen
             return _found(scene, values, fineness)
     except NotClosed as error:
         return SceneDerivatives({}, {}, str(error))
-    except (ImpossibleValue, CannotCompile) as error:
+    except (ImpossibleValue, CannotCompile, np.linalg.LinAlgError) as error:
         return SceneDerivatives({}, {}, f"the cycle cannot be linearised: {error}")
 
 
