@@ -1,6 +1,7 @@
 """Goal seek: values that meet goals with their error, in few solutions; and what is said where none exists."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from seek_fakes import RPM, edged, figures_of, leaping, saturating, torn, turnin
 
 import screwsim
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figures
 from screwsim.scene import loads, value_at, with_values
 from screwsim.study.goals import read_bounds, read_figure, read_goals
 from screwsim.study.scene_files import write_found
@@ -34,6 +36,18 @@ def test_one_goal_is_met_within_its_error_in_few_solutions(flow):
     assert found.values[SPEED] == pytest.approx(n, abs=0.5e-6 * flow / (1.0 - 0.5 * flow) * 2000.0 * RPM + 1e-6 * n)
     assert found.solutions <= 9
     assert found.result.performance.gas_mass_flow == pytest.approx(flow, abs=1e-6 * flow)
+
+
+@pytest.mark.parametrize("power", [23.0, 28.0, 28.5])
+def test_a_figure_without_numerical_error_does_not_jump_over_its_goal(power):
+    """It is a law of the input alone, as the pressure at a condensing temperature: "from 23 kW to 23 kW" it was told."""
+
+    def exact(scene):
+        found = saturating(scene)
+        return replace(found, error=Figures(dict.fromkeys(found.error, 0.0)))
+
+    found = find(scene(), [RANGE], [f"shaft_power={power} kW"], simulate=exact)
+    assert found.status == "ok" and found.figures["shaft_power"] == pytest.approx(1e3 * power, rel=1e-6)
 
 
 def test_the_error_of_a_value_is_that_of_the_figure_over_its_slope():

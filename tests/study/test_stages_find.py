@@ -12,6 +12,8 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
+from screwsim.study.goals import read_goals
+from screwsim.study.measured import read_measured
 from screwsim.study.seek import find_each, question
 from screwsim.study.stages import StageChain, read_stages
 from screwsim.study.stages.result import figures_of_both
@@ -45,6 +47,15 @@ def test_speeds_of_both_stages_meet_a_flow_and_the_pressure_between(plant):
     assert found.values == pytest.approx({FIRST: 2400.0 * RPM, SECOND: 1200.0 * RPM}, rel=2e-6)
     assert isinstance(found.scene, StageChain)
     assert found.scene.second.operation.speed == pytest.approx(found.values[SECOND], rel=1e-12)
+
+
+def test_a_gauge_pressure_of_both_is_read_over_the_ambient_one_that_they_share(plant):
+    shared = [f"{stage}.operation.ambient_pressure=0.9 bar" for stage in ("first", "second")]
+    (goal,) = read_goals(read_stages(plant(), shared), ["intermediate_pressure=3 barg"])
+    assert goal.value == pytest.approx(3.9e5, rel=1e-12)
+    for read in (read_goals, read_measured):
+        with pytest.raises(UsageError, match=r"'barg' is a gauge pressure \(write the absolute pressure"):
+            read(read_stages(plant(), shared[:1]), ["intermediate_pressure=3 barg"])
 
 
 def test_each_row_of_the_sweep_has_its_answer(plant):

@@ -199,6 +199,14 @@ def test_a_measured_point_of_both_is_held_against_them_and_explained(plant, caps
 
 
 @pytest.mark.around
+def test_a_residual_as_a_goal_has_no_uncertainty_by_tolerances(plant):
+    """The search ended with an internal error."""
+    found = screwsim.find(plant(), ["second.operation.speed=1200 rpm..1400 rpm"], ["flow_mismatch=0"], progress=False)
+    assert (found.status, found.by_inputs) == ("ok", {})
+    assert found.message == "no uncertainty by the tolerances: flow_mismatch is a residual, which has no derivative"
+
+
+@pytest.mark.around
 def test_a_sample_of_both_stages_spreads_as_far_as_the_linear_estimate(plant, capsys):
     words = ["sensitivity", str(plant()), "--check-sobol", "16", "--jobs", "1", "--figure", "gas_mass_flow", "--json"]
     assert exit_code(words) == 0

@@ -68,8 +68,11 @@ def _split_condition(scene: Varied, text: str, option: str, signs: str, example:
 
 
 def of_ambient(scene: Varied) -> float | None:
-    """Return the ambient pressure [Pa], over which gauge pressures are read; of two stages that of the first."""
-    return (scene if isinstance(scene, Scene) else scene.first).operation.ambient_pressure
+    """Return the ambient pressure [Pa] over which gauge pressures are read; None where two stages have two of them."""
+    if isinstance(scene, Scene):
+        return scene.operation.ambient_pressure
+    of_stages = {stage.operation.ambient_pressure for stage in scene.by_stage.values()}
+    return of_stages.pop() if len(of_stages) == 1 else None
 
 
 def read_figure(figure: str, text: str, where: str, kind: str = "figure") -> float:

@@ -13,7 +13,8 @@ START_PLACES = (0.5, 0.25, 0.75, 0.1, 0.9, 0.0, 1.0)  # places to start from whe
 WIDEST, LEAST = 0.35, 0.01  # longest and shortest step of the walk, in places
 SCAN_PLACES = 7  # places over the whole range, where the walk ended without the goal
 EXTREMUM_ACCURACY = 1e-3  # of the range: wanted accuracy of the edge of failures, or of the place nearest to a goal
-JUMP_WIDTH = 1e-8  # width of a change of sign below which it is a jump
+JUMP_WIDTH = 1e-8  # width of a change of sign below which it is a jump ...
+LEAST_JUMP = 1e-6  # ... if the figure changes there by more than this share of its size
 FRACTIONS = (0.5, 0.25, 0.75, 0.125, 0.875)  # of a change of sign: places tried where a solution in it fails
 
 Bracket = tuple[Trial, Trial]
@@ -130,7 +131,8 @@ def _narrowed(trials: Trials) -> Trial | None:
             return None
         width = ends[1].places[0] - ends[0].places[0]
         if width < JUMP_WIDTH:
-            return None
+            leap = abs(ends[1].off[0] - ends[0].off[0])
+            return best if leap <= LEAST_JUMP * trials.sizes[0] else None
         for place in _places_within(trials, ends, narrowing > 2):
             if (place,) not in trials.known and trials.at(place).closed:
                 break
