@@ -129,6 +129,13 @@ def test_a_sample_has_the_figures_the_seed_and_the_file_that_are_asked_for(folde
     assert documents[0]["sampled"] != documents[1]["sampled"]
 
 
+def test_a_sample_of_a_figure_that_no_tolerance_moves_says_so(folder, command):
+    """It was a head of a table without rows."""
+    answer = command("sensitivity", "oiled.yaml", *TOLERANT, "--check-sobol", "8", "--figure", "displacement")
+    assert answer.code == 0 and "no figure here depends on the inputs with a tolerance" in answer.out
+    assert "sampled  unit" not in answer.out
+
+
 @pytest.mark.parametrize(
     ("rest", "told"),
     [

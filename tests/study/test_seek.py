@@ -40,7 +40,7 @@ def test_one_goal_is_met_within_its_error_in_few_solutions(flow):
 
 @pytest.mark.parametrize("power", [23.0, 28.0, 28.5])
 def test_a_figure_without_numerical_error_does_not_jump_over_its_goal(power):
-    """It is a law of the input alone, as the pressure at a condensing temperature: "from 23 kW to 23 kW" it was told."""
+    """It is a law of the input alone, as a pressure of a condensing temperature; it "jumped" from 23 to 23 kW."""
 
     def exact(scene):
         found = saturating(scene)

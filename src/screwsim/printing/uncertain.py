@@ -133,7 +133,10 @@ def print_check(scene: Varied, found: Uncertainty) -> None:
         rows.append([shown_name(name), *shown, unit])
         if sampled.wrong:
             wrong.append(f"warning: the linear estimate is wrong for {shown_name(name)}: {sampled.wrong}")
-    print_table(["", "value", "mean", "linear", "sampled", "unit"], rows, 1)
+    if rows:
+        print_table(["", "value", "mean", "linear", "sampled", "unit"], rows, 1)
+    else:
+        say("no figure here depends on the inputs with a tolerance")
     say(wrapped(f"{found.samples} samples (Sobol's sequence) of the inputs within their tolerances"))
     if found.message:
         wrong.append(f"warning: mean and spread are those of the others, as {found.message}")

@@ -49,8 +49,8 @@ def uncertainties_by_inputs(
     if lost := next((path for path in (*sought, *inputs) if path not in found.values), ""):
         why = found.left_out.get(lost, found.result.told)
         return {}, f"no uncertainty by the tolerances: {lost}: {why or 'it has no derivative'}"
-    if residual := next((name for name in figures if name not in found.derivatives), ""):
-        return {}, f"no uncertainty by the tolerances: {residual} is a residual, which has no derivative"
+    if lacking := next((name for name in figures if name not in found.derivatives), ""):
+        return {}, f"no uncertainty by the tolerances: {lacking} has no derivative"
     slopes = np.array([[found.derivatives[name].get(path, 0.0) for path in (*sought, *inputs)] for name in figures])
     by_value, by_input = slopes[:, : len(sought)], slopes[:, len(sought) :]
     sizes = [abs(found.result.performance[name]) or 1.0 for name in figures]
