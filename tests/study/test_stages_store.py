@@ -143,7 +143,7 @@ def test_derivatives_that_a_stage_keeps_are_in_its_group(folder):
 
 
 @pytest.mark.around
-def test_files_are_compared_by_the_figures_of_both_and_of_each(folder, tmp_path):
+def test_files_are_compared_by_the_figures_of_both_and_of_each(folder, tmp_path, capsys):
     one, sweep = folder / "point.h5", folder / "sweep.h5"
     same = screwsim.compare(one, one)
     assert same.equal
@@ -162,6 +162,9 @@ def test_files_are_compared_by_the_figures_of_both_and_of_each(folder, tmp_path)
     assert mismatch.error == pytest.approx(
         sum(each.accuracy.item() for each in map(screwsim.open_results, (one, slower)))
     )
+    capsys.readouterr()
+    assert exit_code(["compare", str(one), str(slower)]) == 0
+    assert "of temperatures in K, of residuals as it is" in " ".join(capsys.readouterr().out.split())
     in_sweep = screwsim.compare(slower, sweep)
     assert (in_sweep.common, in_sweep.compared, in_sweep.equal) == (1, 1, True)
 

@@ -79,8 +79,9 @@ def _print_figures(a: Results, b: Results, found: Comparison) -> None:
     rows = [list(compress(cells, kept)) for cells in (heads, *(_cells(a, b, figure) for figure in found.figures))]
     print_table(rows[0], rows[1:], 1)
     many = any(figure.at for figure in found.figures) and found.common > 1
-    text = "change in % of A, of temperatures in K; error in the same unit: both estimates together, twice which"
-    text += " counts as no change"
+    residuals = any(_declaration(a, b, figure.figure).scale.unasked for figure in found.figures)
+    text = f"change in % of A, of temperatures in K{', of residuals as it is' if residuals else ''}; error in the same"
+    text += " unit: both estimates together, twice which counts as no change"
     text += "; inputs: half of the 95 % interval of the change, if inputs are off alike in both" if toleranced else ""
     say(wrapped(f"{text}; the point shown has the largest change relative to what is allowed" if many else text))
     far = (figure for figure in found.figures if many and figure.beyond)
