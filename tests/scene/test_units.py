@@ -116,7 +116,7 @@ def test_other_units_are_read_with_pint(kind, text, value):
         ("pressure", "2 Bar", "'2 Bar' is not a pressure (write '2 bar')"),
         ("pressure", "2 bar(a)", "'2 bar(a)' is not a pressure (write '2 bar')"),
         ("pressure", "2 mpa", "'2 mpa' is not a pressure (write e.g. '2 bar')"),  # mPa or MPa
-        ("power", "2 HP", "'2 HP' is not a power (write '2 hp')"),
+        ("pressure", "2 psid", "'2 psid' is a difference, not an absolute pressure (write e.g. '2 bar')"),
         ("pressure_difference", "2 psid", "'2 psid' is not a pressure difference (write '2 psi')"),
         ("power", "2 mw", "'2 mw' is not a power (write e.g. '75 kW')"),
         ("viscosity", "20 MPas", "'20 MPas' is not a viscosity (write e.g. '20 mPa s')"),  # not milli

@@ -231,6 +231,8 @@ def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
         if kind.name == "pressure_difference":
             raise Refused(f"{shown} is a gauge pressure, not a difference (write e.g. '{kind.example}')")
         raise Refused(f"{shown} is a gauge pressure (write the absolute pressure, e.g. '{kind.example}')")
+    if kind.name == "pressure" and _tight(unit).lower() == "psid":
+        raise Refused(f"{shown} is a difference, not an absolute pressure (write e.g. '{kind.example}')")
     if kind.name == "speed" and unit.lower() in ("hz", "khz", "1/s", "s^-1", "1/min", "min^-1"):
         raise Refused(f"{shown} is ambiguous: turns or radians (write rpm, rev/s or rad/s, e.g. '{kind.example}')")
     if kind.si == "W" and unit.lower().startswith("mbtu"):
