@@ -105,4 +105,4 @@ def test_a_fit_stands_where_no_shift_by_other_inputs_can_be_had(fit_file, monkey
     monkeypatch.setattr("screwsim.study.calibration.solve.input_shifts", refuses)
     found = calibrate(read_fit(fit_file), jobs=1)
     assert (found.status, found.shifts) == ("ok", ()) and found.certainty is not None
-    assert found.message.startswith("no errors by the tolerances of other inputs: machine.bore: follows")
+    assert found.message.startswith("no errors from other inputs: machine.bore: follows")

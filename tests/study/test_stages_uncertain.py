@@ -203,7 +203,7 @@ def test_a_residual_as_a_goal_has_no_uncertainty_by_tolerances(plant):
     """The search ended with an internal error."""
     found = screwsim.find(plant(), ["second.operation.speed=1200 rpm..1400 rpm"], ["flow_mismatch=0"], progress=False)
     assert (found.status, found.by_inputs) == ("ok", {})
-    assert found.message == "no uncertainty by the tolerances: flow_mismatch has no derivative"
+    assert found.message == "no uncertainty from the inputs: flow_mismatch has no derivative"
 
 
 @pytest.mark.around

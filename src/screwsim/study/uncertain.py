@@ -145,7 +145,8 @@ def uncertainty(
     numbers, why = numeric_paths(scene)
     paths = [path for path in scene.uncertain if path in numbers]
     if not paths:
-        raise UsageError(f"all inputs with a tolerance follow from others here: {', '.join(scene.uncertain)}")
+        names = ", ".join(scene.uncertain)
+        raise UsageError(f"all inputs with a tolerance follow from others here: {names} (write tolerances of those)")
     found = sensitivities(scene, paths, jobs=jobs, progress=progress, result=result, fine=False)
     spreads = spreads_of(scene, found.values, found.derivatives)
     why = {**why, **found.left_out}

@@ -251,7 +251,7 @@ def _calibration_of_starts(
             try:
                 shifts = input_shifts(fit, places, slopes, asked.outcome(places), asked.values(places))
             except UsageError as error:  # an input follows from others at a point
-                lost = f"no errors by the tolerances of other inputs: {error}"
+                lost = f"no errors from other inputs: {error}"
     outcome = asked.outcome(places)
     values = asked.values(places)
     compared, reasons, warned = _compared(asked, outcome, values)

@@ -45,18 +45,18 @@ def uncertainties_by_inputs(
     try:
         found = sensitivities(of, [*sought, *inputs], figures, fine=False, progress=False, **known)
     except UsageError as error:
-        return {}, f"no uncertainty by the tolerances: {error}"
+        return {}, f"no uncertainty from the inputs: {error}"
     if lost := next((path for path in (*sought, *inputs) if path not in found.values), ""):
         why = found.left_out.get(lost, found.result.told)
-        return {}, f"no uncertainty by the tolerances: {lost}: {why or 'it has no derivative'}"
+        return {}, f"no uncertainty from the inputs: {lost}: {why or 'it has no derivative'}"
     if lacking := next((name for name in figures if name not in found.derivatives), ""):
-        return {}, f"no uncertainty by the tolerances: {lacking} has no derivative"
+        return {}, f"no uncertainty from the inputs: {lacking} has no derivative"
     slopes = np.array([[found.derivatives[name].get(path, 0.0) for path in (*sought, *inputs)] for name in figures])
     by_value, by_input = slopes[:, : len(sought)], slopes[:, len(sought) :]
     sizes = [abs(found.result.performance[name]) or 1.0 for name in figures]
     scaled = by_value * [abs(value) or 1.0 for value in values.values()] / np.array(sizes)[:, None]
     if not np.linalg.cond(scaled) < LARGEST_CONDITION:
-        return {}, "no uncertainty by the tolerances: here the figures do not change with what varies"
+        return {}, "no uncertainty from the inputs: here the figures do not change with what varies"
     moved = -np.linalg.solve(by_value, by_input)
     by_path = {path: dict(zip(inputs, map(float, row), strict=True)) for path, row in zip(sought, moved, strict=True)}
     return spreads_of(tolerances, {path: found.values[path] for path in inputs}, by_path), ""
