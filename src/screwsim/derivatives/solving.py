@@ -43,7 +43,7 @@ from screwsim.solve.circuit import solve_with_surroundings, steady_state
 
 Array = np.ndarray
 STEP = 2e-7  # relative shift of a number, for differences
-LARGEST_RESIDUAL = 1e-5  # [K, kPa], largest admissible residual of the surroundings of the collocated cycle ...
+LARGEST_RESIDUAL = 1e-4  # [K, kPa], largest admissible residual of the surroundings of the collocated cycle ...
 MOST_STEPS = 3  # ... unless so many Newton steps were made
 ONE_CHAMBER = "chambers are integrated one at a time, with valve and seat events of their own"
 AT_END = "what is found with the cycle (the oil flow, an economizer, a valve) is at an end of its range"
