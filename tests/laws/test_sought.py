@@ -7,6 +7,7 @@ from each_row import each_row
 from scenes import DROP, ECONOMIZER, make, run
 
 import screwsim
+from screwsim.derivatives.solving import scene_derivatives
 from screwsim.explain import explain
 from screwsim.explain.parameters import parameters
 from screwsim.inputs.faults import SceneError
@@ -158,6 +159,21 @@ def test_where_no_temperature_agrees_derivatives_are_differences_and_say_why():
     found = sensitivities(late, ["effects.economizer.area"], ["shaft_power"])
     assert found.method["effects.economizer.area"] == "differences"
     assert "at an end of its range" in found.why["effects.economizer.area"]
+
+
+def test_where_only_the_last_steps_of_a_search_shut_a_valve_derivatives_are_not_exact():
+    """The cycle that the search hands over has it a little open."""
+    scene = screwsim.load(
+        POINT.parents[1] / "r134a" / "point.yaml",
+        [
+            "effects.economizer={temperature: auto, opens: 400 deg, closes: 500 deg, area: 5 mm^2, kind: flash_tank}",
+            "effects.economizer.backflow=evaporates",
+            "effects.liquid_injection={opens: 500 deg, closes: 600 deg, area: 4 mm^2, discharge_temperature: 75 degC}",
+        ],
+    )
+    found = scene_derivatives(scene, {"operation.superheat": 10.0})
+    assert found.derivatives == {}
+    assert "at an end of its range" in found.why
 
 
 def test_both_are_found_together():

@@ -108,6 +108,8 @@ def with_settled_surroundings(
         if asked is None:
             break
         problem, numbers = asked
+        if at_an_end(problem.scene):
+            raise NotClosed(AT_END)
         pitch = cycle.pitch
         pitch.machinery.put(life)
         pitch.put(numbers)
@@ -177,13 +179,14 @@ def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Sce
     if not fineness.estimated:
         scene = replace(scene, numerics=replace(scene.numerics, error="none"))
     problem, search = steady_state(problem_of(scene, series), series)
-    why = _refused(problem)
-    if why:
-        return SceneDerivatives({}, {}, why)
+    if problem.composition.chambers == 1:
+        return SceneDerivatives({}, {}, ONE_CHAMBER)
     machinery = lease_for(problem)
     accurate = solve_with_surroundings(problem, machinery, None, search)
     if not accurate.cycle.closed:
         return SceneDerivatives({}, {}, "the cycle does not close")
+    if at_an_end(accurate.evaluation.problem.scene):  # the last steps of the search may lead there
+        return SceneDerivatives({}, {}, AT_END)
     cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life, fineness)
     if fineness.estimated:
         cycle = with_settled_surroundings(
@@ -193,13 +196,6 @@ def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Sce
     leases.give_back(machinery)
     release_series(series)
     return SceneDerivatives(slopes, refused)
-
-
-def _refused(problem: Problem) -> str:
-    """Return why this method cannot give a problem's derivatives; empty where it can."""
-    if at_an_end(problem.scene):
-        return AT_END
-    return ONE_CHAMBER if problem.composition.chambers == 1 else ""
 
 
 def figures_of(of: Evaluation) -> dict[str, float]:
