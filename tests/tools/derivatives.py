@@ -36,6 +36,7 @@ sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws",
 import effects_space  # noqa: E402
 from tight import NotTight, Tight  # noqa: E402
 
+from screwsim.build.open_values import at_an_end  # noqa: E402
 from screwsim.cycle.guess import lease_for  # noqa: E402
 from screwsim.cycle.problem import Series, problem_of  # noqa: E402
 from screwsim.derivatives import solving  # noqa: E402
@@ -136,14 +137,15 @@ class Exact:
         """Solve the scene; raise UsageError with the reason where `sensitivities` would use differences of cycles."""
         self.scene, self.series, self.values = scene, Series(), numeric_paths(scene)[0]
         self.problem, search = steady_state(problem_of(scene, self.series), self.series)
-        why = solving._refused(self.problem)
-        if why:
-            raise UsageError(why)
+        if self.problem.composition.chambers == 1:
+            raise UsageError(solving.ONE_CHAMBER)
         self.machinery = lease_for(self.problem)
         accurate = solve_with_surroundings(self.problem, self.machinery, None, search)
         if accurate.cycle.status != "ok":
             raise UsageError("the cycle does not close")
         of, self.widths = accurate.evaluation, accurate.criteria.widths
+        if at_an_end(of.problem.scene):
+            raise UsageError(solving.AT_END)
         self.problem, self.life = of.problem, of.life
 
     def slopes(self, paths: Sequence[str], fineness: Fineness = FINE) -> dict[str, dict[str, float]]:
