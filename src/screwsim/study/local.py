@@ -115,8 +115,8 @@ def sensitivities(
 ) -> Sensitivities:
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all of the scene).
 
-    Two stages are given by the path of their file: the figures are those of both together. Pass a scene's `result` if
-    it is known already. With fine=False derivatives are good to 1e-3 instead of 1e-5 and cost less
+    Two stages are given by the path of their file: the figures are those of both together, found in one process
+    (`jobs`, `progress` are for one machine). Pass a scene's `result` if it is known already. With fine=False derivatives are good to 1e-3 instead of 1e-5 and cost less
     (docs/explanation/derivatives.md). Raises UsageError for a path or a figure that does not exist, and for a result of
     another scene.
     """

@@ -124,8 +124,8 @@ def uncertainty(
 ) -> Uncertainty:
     """Return the uncertainty of each figure that follows from the tolerances of a scene's inputs.
 
-    Two stages are given by the path of their file: the figures are those of both together. Raises UsageError if no
-    tolerance is stated.
+    Two stages are given by the path of their file: the figures are those of both together, found in one process
+    (`jobs`, `progress` are for one machine). Raises UsageError if no tolerance is stated.
     """
     from screwsim.study.stages import run_stages, scene_or_stages
 
