@@ -6,8 +6,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from screwsim.derivatives.collocation import CollocatedCycle
-from screwsim.derivatives.collocation import solve_unknowns as solved_pitch
+from screwsim.derivatives.collocation import CollocatedCycle, solve_unknowns
 from screwsim.derivatives.directions import Direction, Directions
 from screwsim.derivatives.linear import Response
 from screwsim.derivatives.pitch import CollocatedPitch
@@ -47,7 +46,7 @@ def responses(cycle: CollocatedCycle, directions: Sequence[Direction], all_direc
     for j, direction in enumerate(directions):
         image = _coordinates(shifted_evaluation(cycle, direction, held.by(j), all_directions))
         off[:, j] = np.where(linear.given, direction.stated, (image - own) / direction.step)
-    unknowns = np.stack([solved_pitch(linear.back, each, linear.given) for each in off.T], axis=-1)
+    unknowns = np.stack([solve_unknowns(linear.back, each, linear.given) for each in off.T], axis=-1)
     return _moved(pitch, linear.by_changes.added(linear.by_unknowns.weighted(unknowns)), unknowns)
 
 

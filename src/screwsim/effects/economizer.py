@@ -39,7 +39,7 @@ HEAT_LOSS = "economizer_heat_loss"
 DRAWN_TOO_MUCH = 0.02  # relative excess of the drawn vapour over that which the liquid makes, above which is warned
 GIVEN_TOO_MUCH = 0.005  # heat loss over shaft power above which is warned
 PER_FOLD = 8.0  # [K] approximate error of the temperature when the port draws e times the vapour there is
-SETTLED = 0.01  # largest relative difference of both at which a temperature that is found counts as found
+SETTLED = 2e-3  # largest relative difference of vapour drawn and given off with which a temperature counts as found
 APART = 0.5  # [K] least distance of a temperature that is found from both lines' and from the liquid's
 # the error of a draw ratio is relative to 1 (all vapour that the liquid makes) at least
 OF_VAPOUR = Scale(1.0, times="filling")

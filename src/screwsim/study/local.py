@@ -116,9 +116,9 @@ def sensitivities(
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all of the scene).
 
     Two stages are given by the path of their file: the figures are those of both together, found in one process
-    (`jobs`, `progress` are for one machine). Pass a scene's `result` if it is known already. With fine=False derivatives are good to 1e-3 instead of 1e-5 and cost less
-    (docs/explanation/derivatives.md). Raises UsageError for a path or a figure that does not exist, and for a result of
-    another scene.
+    (`jobs`, `progress` are for one machine). Pass a scene's `result` if it is known already. With fine=False
+    derivatives are good to 1e-3 instead of 1e-5 and cost less (docs/explanation/derivatives.md). Raises UsageError
+    for a path or a figure that does not exist, and for a result of another scene.
     """
     from screwsim.study.stages import scene_or_stages
 
