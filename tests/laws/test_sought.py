@@ -154,15 +154,19 @@ def test_exact_derivatives_do_not_hold_fixed_what_is_found_with_the_cycle(change
         assert found.derivatives[name][path] == pytest.approx(slope, rel=SLOPES), name
 
 
-def test_where_no_temperature_agrees_derivatives_are_differences_and_say_why():
+def test_where_no_temperature_agrees_it_stays_at_the_end_of_its_range_which_a_number_may_move():
+    """What moves that end would move the temperature to one side alone."""
     late = make({**AUTO, "effects.economizer.opens": "640 deg", "effects.economizer.closes": "690 deg"})
-    found = sensitivities(late, ["effects.economizer.area"], ["shaft_power"])
-    assert found.method["effects.economizer.area"] == "differences"
-    assert "at an end of its range" in found.why["effects.economizer.area"]
+    area, condensing = "effects.economizer.area", "operation.condensing_temperature"
+    found = sensitivities(late, [area, condensing], ["economizer_temperature"])
+    assert found.method == {area: "exact", condensing: "differences"}
+    assert "moves the end of the range" in found.why[condensing]
+    assert found.derivatives["economizer_temperature"][area] == 0.0
 
 
-def test_where_only_the_last_steps_of_a_search_shut_a_valve_derivatives_are_not_exact():
+def test_a_valve_that_the_last_steps_of_a_search_shut_stays_shut_in_exact_derivatives():
     """The cycle that the search hands over has it a little open."""
+    number, figures = "operation.superheat", ("shaft_power", "cooling_capacity")
     scene = screwsim.load(
         POINT.parents[1] / "r134a" / "point.yaml",
         [
@@ -171,9 +175,13 @@ def test_where_only_the_last_steps_of_a_search_shut_a_valve_derivatives_are_not_
             "effects.liquid_injection={opens: 500 deg, closes: 600 deg, area: 4 mm^2, discharge_temperature: 75 degC}",
         ],
     )
-    found = scene_derivatives(scene, {"operation.superheat": 10.0})
-    assert found.derivatives == {}
-    assert "at an end of its range" in found.why
+    found, value = scene_derivatives(scene, {number: value_at(scene, number)}), value_at(scene, number)
+    fine = with_values(scene, {"numerics.accuracy": 1e-6})
+    high, low = (simulate(with_values(fine, {number: value + by}), trace=False) for by in (0.2, -0.2))
+    assert max(each.performance.liquid_injection_opening for each in (high, low)) < 1.001e-4
+    for name in figures:
+        slope = (high.performance[name] - low.performance[name]) / 0.4
+        assert found.derivatives[number][name] == pytest.approx(slope, rel=SLOPES), name
 
 
 def test_both_are_found_together():

@@ -36,7 +36,6 @@ sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws",
 import effects_space  # noqa: E402
 from tight import NotTight, Tight  # noqa: E402
 
-from screwsim.build.open_values import at_an_end  # noqa: E402
 from screwsim.cycle.guess import lease_for  # noqa: E402
 from screwsim.cycle.problem import Series, problem_of  # noqa: E402
 from screwsim.derivatives import solving  # noqa: E402
@@ -144,8 +143,6 @@ class Exact:
         if accurate.cycle.status != "ok":
             raise UsageError("the cycle does not close")
         of, self.widths = accurate.evaluation, accurate.criteria.widths
-        if at_an_end(of.problem.scene):
-            raise UsageError(solving.AT_END)
         self.problem, self.life = of.problem, of.life
 
     def slopes(self, paths: Sequence[str], fineness: Fineness = FINE) -> dict[str, dict[str, float]]:

@@ -136,10 +136,10 @@ def current_coordinates(scene: Scene) -> list[float | None]:
     return [one.stands for one in _open(scene).values()]
 
 
-def at_an_end(scene: Scene) -> bool:
-    """Tell whether a coordinate is at an end of its range, where it follows from no figure."""
+def ends(scene: Scene) -> list[Span | None]:
+    """Return the range of each coordinate that is at an end of it, where it follows from no figure; else None."""
     places = zip(coordinate_ranges(scene), current_coordinates(scene), strict=True)
-    return any(x is not None and span.at_end(x) for span, x in places)
+    return [span if x is not None and span.at_end(x) else None for span, x in places]
 
 
 def with_coordinates(scene: Scene, at: Sequence[float]) -> Scene:

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from screwsim.build import Temperatures, open_temperatures, with_temperatures
-from screwsim.build.open_values import with_coordinates
+from screwsim.build.open_values import coordinate_ranges, ends, with_coordinates
 from screwsim.cycle.problem import Problem, Series, problem_of
 from screwsim.derivatives.collocation import NotClosed
 from screwsim.effects.base import PressureLosses
@@ -38,9 +38,18 @@ def coordinates(problem: Problem) -> Array:
 
 
 def open_coordinates(problem: Problem) -> list[int]:
-    """Return the indices of the coordinates that are open: all but temperatures that the scene states."""
-    stated = [i for i, each in enumerate(open_temperatures(problem.scene)) if not each]
-    return [i for i in range(len(coordinates(problem))) if i not in stated]
+    """Return the indices of coordinates that respond: not stated temperatures, nor what is at an end of its range."""
+    scene = problem.scene
+    held = [i for i, is_open in enumerate(open_temperatures(scene)) if not is_open]
+    others = 2 if scene.losses is None else 4
+    held += [i for i, span in enumerate(ends(scene), others) if span is not None]
+    return [i for i in range(len(coordinates(problem))) if i not in held]
+
+
+def moves_an_end(problem: Problem, other: Problem) -> bool:
+    """Return whether a coordinate is at an end of its range that is elsewhere for another problem."""
+    pairs = zip(ends(problem.scene), coordinate_ranges(other.scene), strict=True)
+    return any(span is not None and span != there for span, there in pairs)
 
 
 def implied_changes(of: Evaluation) -> Array:

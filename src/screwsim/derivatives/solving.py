@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.build.open_values import at_an_end
 from screwsim.codegen.program import CannotCompile
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import BuiltParts, Problem, Series, problem_of, release_series, series_of_one
@@ -21,13 +20,14 @@ from screwsim.derivatives.around import (
     coordinate_shifted,
     coordinates,
     implied_changes,
+    moves_an_end,
     number_shifted,
     open_coordinates,
     problem_at,
     shift_size,
 )
 from screwsim.derivatives.collocation import FINE, CollocatedCycle, Fineness, NotClosed, collocated
-from screwsim.derivatives.directions import Directions, Structural
+from screwsim.derivatives.directions import Direction, Directions, Structural
 from screwsim.derivatives.driven import closed_with_drive
 from screwsim.derivatives.peak import peak_pressure, peak_step
 from screwsim.derivatives.pitch import RateNumbers
@@ -46,7 +46,7 @@ STEP = 2e-7  # relative shift of a number, for differences
 LARGEST_RESIDUAL = 1e-4  # [K, kPa], largest admissible residual of the surroundings of the collocated cycle ...
 MOST_STEPS = 3  # ... unless so many Newton steps were made
 ONE_CHAMBER = "chambers are integrated one at a time, with valve and seat events of their own"
-AT_END = "what is found with the cycle (the oil flow, an economizer, a valve) is at an end of its range"
+AT_END = "it moves the end of the range at which what is found with the cycle stands (oil flow, economizer, valve)"
 
 
 class SideReadings(NamedTuple):
@@ -63,15 +63,15 @@ def derivatives(
 
     `values` are the numbers [SI] at the paths, `built` the parts and composer of the scene's series.
     """
-    all_directions, series = Directions(cycle), Series(built)
-    around = [
-        all_directions.of(coordinate_shifted(cycle.pitch.problem, series, i), STEP)
-        for i in open_coordinates(cycle.pitch.problem)
-    ]
+    problem, all_directions, series = cycle.pitch.problem, Directions(cycle), Series(built)
+    around = _by_surroundings(problem, all_directions, series)
     directions, refused = {}, {}
     for path, value in values.items():
         try:
-            directions[path] = all_directions.of(number_shifted(cycle.pitch.problem, series, path, value), STEP)
+            found = all_directions.of(number_shifted(problem, series, path, value), STEP)
+            if moves_an_end(problem, found.problem):
+                raise Structural(AT_END)
+            directions[path] = found
         except (Structural, UsageError) as why:
             refused[path] = str(why)
     every = [*around, *directions.values()]
@@ -88,11 +88,19 @@ def derivatives(
         figures = {name: (there.figures[name] - here.figures[name]) / direction.step for name in both}
         read.append(SideReadings(figures, (there.asked - here.asked) / direction.step))
     through, own = read[: len(around)], dict(zip(directions, read[len(around) :], strict=True))
-    found = {}
+    slopes = {}
     for path, each in own.items():
-        closed = _with_response(each, through, open_coordinates(cycle.pitch.problem))
-        found[path] = {name: slope / shift_size(values[path]) for name, slope in closed.items()}
-    return found, refused
+        closed = _with_response(each, through, open_coordinates(problem))
+        slopes[path] = {name: slope / shift_size(values[path]) for name, slope in closed.items()}
+    return slopes, refused
+
+
+def _by_surroundings(problem: Problem, all_directions: Directions, series: Series) -> list[Direction]:
+    """Return the directions of the coordinates that respond; raise NotClosed where one moves the end of another."""
+    found = [all_directions.of(coordinate_shifted(problem, series, i), STEP) for i in open_coordinates(problem)]
+    if any(moves_an_end(problem, each.problem) for each in found):
+        raise NotClosed(AT_END)
+    return found
 
 
 def with_settled_surroundings(
@@ -102,14 +110,13 @@ def with_settled_surroundings(
 
     A solution leaves a residual within its accuracy: 3 mK of the oil's temperature changed a derivative by 1e-4.
     """
-    rows, series = open_coordinates(cycle.pitch.problem), Series(built)
-    for _ in range(MOST_STEPS if rows else 0):
-        asked = _newton_step(cycle, series, rows)
+    series = Series(built)
+    for _ in range(MOST_STEPS):
+        rows = open_coordinates(cycle.pitch.problem)  # a step may lead one to an end of its range
+        asked = _newton_step(cycle, series, rows) if rows else None
         if asked is None:
             break
         problem, numbers = asked
-        if at_an_end(problem.scene):
-            raise NotClosed(AT_END)
         pitch = cycle.pitch
         pitch.machinery.put(life)
         pitch.put(numbers)
@@ -123,8 +130,7 @@ def _newton_step(cycle: CollocatedCycle, series: Series, rows: Sequence[int]) ->
     here = implied_changes(unshifted_evaluation(cycle, all_directions))[rows]
     if float(np.abs(here).max()) <= LARGEST_RESIDUAL:
         return None
-    around = [all_directions.of(coordinate_shifted(problem, series, i), STEP) for i in rows]
-    around, moves = closed_with_drive(cycle, around, all_directions)
+    around, moves = closed_with_drive(cycle, _by_surroundings(problem, all_directions, series), all_directions)
     asked = [
         implied_changes(shifted_evaluation(cycle, each, moves.by(j), all_directions))[rows]
         for j, each in enumerate(around)
@@ -185,8 +191,6 @@ def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Sce
     accurate = solve_with_surroundings(problem, machinery, None, search)
     if not accurate.cycle.closed:
         return SceneDerivatives({}, {}, "the cycle does not close")
-    if at_an_end(accurate.evaluation.problem.scene):  # the last steps of the search may lead there
-        return SceneDerivatives({}, {}, AT_END)
     cycle = collocated(accurate.evaluation.problem, machinery, accurate.evaluation.life, fineness)
     if fineness.estimated:
         cycle = with_settled_surroundings(
