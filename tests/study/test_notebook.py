@@ -97,7 +97,7 @@ STUDIES = {
     "find": lambda scene, **how: screwsim.find(scene, ["operation.speed"], ["gas_mass_flow=0.3 kg/s"], **how),
     "calibrate": lambda _, **how: screwsim.calibrate("configs/calibration/leakage.fit.yaml", jobs=1, **how),
     "sensitivities": lambda _, **how: screwsim.sensitivities(
-        "configs/drive/induction.yaml", ["machine.discharge_port.opens"], ["shaft_power"], **how
+        "configs/slider_crank/air.yaml", ["operation.speed"], ["shaft_power"], **how
     ),  # of differences: exact derivatives have no steps
 }
 
