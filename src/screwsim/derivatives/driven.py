@@ -51,7 +51,7 @@ def closed_with_drive(
 
 def _curve_of(of: Evaluation) -> Array:
     """Return the packed curve of the speed that the drive makes of a cycle's torque."""
-    curve = speed_curve_of(motion_of(of), of.problem.parts.geometry.pitch)
+    _, curve = speed_curve_of(motion_of(of), of.problem.parts.geometry.pitch)
     if curve is None:
         raise NotClosed("the drive nearly stops")
     return curve

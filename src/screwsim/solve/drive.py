@@ -60,27 +60,21 @@ def set_speed_curve(
     at = composition.speed_curve
     assert at is not None  # the scene has a drive
     old = speed.squares_at(composition.P, at)
-    squares = resampled(_squares_of(motion), speed.ROWS - 1)
+    squares, curve = speed_curve_of(motion, problem.parts.geometry.pitch)
     change = float(np.max(np.abs(np.sqrt(np.maximum(squares, 0.0)) - np.sqrt(old))))
-    curve = speed_curve_of(motion, problem.parts.geometry.pitch)
     if curve is not None and change > tolerance:
         speed.put(composition.P, at, curve)
     return change, curve
 
 
-def speed_curve_of(motion: Response, pitch: float) -> np.ndarray | None:
-    """Return the packed curve of the speed over the angle of a motion; None where it nearly stops."""
-    ratio = _squares_of(motion)
+def speed_curve_of(motion: Response, pitch: float) -> tuple[np.ndarray, np.ndarray | None]:
+    """Return the squared relative speed of a motion by the angle, and its packed curve; None where it nearly stops."""
+    ratio = (motion.speed / motion.mean_speed) ** 2
     squares = resampled(ratio, speed.ROWS - 1)
     if not squares.min() > (1.0 - speed.TOO_LARGE) ** 2:
-        return None
+        return squares, None
     slopes = resampled(differentiation(pitch) @ ratio, speed.ROWS - 1)
-    return speed.curve_of(np.append(squares, squares[0]), np.append(slopes, slopes[0]), pitch)
-
-
-def _squares_of(motion: Response) -> np.ndarray:
-    """Return the squared speed over its mean at the collocated angles."""
-    return (motion.speed / motion.mean_speed) ** 2
+    return squares, speed.curve_of(np.append(squares, squares[0]), np.append(slopes, slopes[0]), pitch)
 
 
 def at_motor_speed(problem: Problem, series: Series) -> Problem:

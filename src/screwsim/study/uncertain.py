@@ -53,6 +53,9 @@ class Contributor(NamedTuple):
     change: float
 
 
+NO_TOLERANCE = "no input has a tolerance (write one after its value, e.g. gap: 27 um ± 5 um)"
+
+
 @dataclass(frozen=True)
 class FigureUncertainty:
     """Uncertainty of one figure [SI]: its standard uncertainty, and the contributing inputs, the largest first."""
@@ -141,7 +144,7 @@ def uncertainty(
         return chain_uncertainty(given, solution)[0]
     scene = given
     if not scene.uncertain:
-        raise UsageError("no input has a tolerance (write one after its value, e.g. gap: 27 um ± 5 um)")
+        raise UsageError(NO_TOLERANCE)
     numbers, why = numeric_paths(scene)
     paths = [path for path in scene.uncertain if path in numbers]
     if not paths:

@@ -27,7 +27,7 @@ from screwsim.study.local import Sensitivities, sensitivities
 from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.figures import StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.solve import ChainSolver, Stop
-from screwsim.study.uncertain import Tolerances, Uncertainty, groups_of, spreads_of, tolerances_of
+from screwsim.study.uncertain import NO_TOLERANCE, Tolerances, Uncertainty, groups_of, spreads_of, tolerances_of
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
@@ -69,7 +69,7 @@ def chain_uncertainty(chain: StageChain, found: ChainResult) -> tuple[Uncertaint
     """
     tolerances = tolerances_of(chain)
     if not tolerances.uncertain:
-        raise UsageError("no input has a tolerance (write one after its value, e.g. gap: 27 um ± 5 um)")
+        raise UsageError(NO_TOLERANCE)
     try:
         linear = linear_chain(chain, found, tolerances.uncertain)
         values = ((name, each, float(chain.value_at(name))) for name, each in tolerances.uncertain.items())
