@@ -38,7 +38,6 @@ from tight import NotTight, Tight  # noqa: E402
 
 from screwsim.cycle.guess import lease_for  # noqa: E402
 from screwsim.cycle.problem import Series, problem_of  # noqa: E402
-from screwsim.derivatives import solving  # noqa: E402
 from screwsim.derivatives.collocation import FINE, Fineness, NotClosed, collocated  # noqa: E402
 from screwsim.derivatives.solving import derivatives, figures_of, with_settled_surroundings  # noqa: E402
 from screwsim.inputs.faults import ImpossibleValue, SceneError, UsageError  # noqa: E402
@@ -136,8 +135,6 @@ class Exact:
         """Solve the scene; raise UsageError with the reason where `sensitivities` would use differences of cycles."""
         self.scene, self.series, self.values = scene, Series(), numeric_paths(scene)[0]
         self.problem, search = steady_state(problem_of(scene, self.series), self.series)
-        if self.problem.composition.chambers == 1:
-            raise UsageError(solving.ONE_CHAMBER)
         self.machinery = lease_for(self.problem)
         accurate = solve_with_surroundings(self.problem, self.machinery, None, search)
         if accurate.cycle.status != "ok":

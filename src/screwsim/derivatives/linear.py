@@ -7,7 +7,8 @@ of the cells that the injection sets, and of the quadratures, with the period cl
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from itertools import pairwise
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -39,7 +40,8 @@ class Response(NamedTuple):
     """Changes, columns (…, k), of states at the start, of cells, of quadratures and of states at nodes.
 
     Those at nodes are linear combinations, by `weights` (K, k), of what was `followed` (slices, NODES, N, K): most
-    are never needed.
+    are never needed. `events` are the changes of the unknowns of events within a turn, `passed` (events, N, K) those of
+    the states behind them.
     """
 
     start: Array
@@ -47,11 +49,18 @@ class Response(NamedTuple):
     sums: Array
     weights: Array
     followed: Array
+    events: Array
+    passed: Array
 
     @property
     def nodes(self) -> Array:
         """Changes of the states at all nodes (slices, NODES, N, k)."""
         return self.inside(slice(None))
+
+    @property
+    def after(self) -> Array:
+        """Changes of the states after each event (events, N, k)."""
+        return self.passed @ self.weights
 
     def inside(self, slices: slice) -> Array:
         """Return the changes of the states at the nodes of some slices."""
@@ -67,12 +76,19 @@ class Response(NamedTuple):
 
     def added(self, other: Response) -> Response:
         """Return the sum with another response that shares what was followed."""
-        start, cells, sums, weights, _ = other
-        return Response(self.start + start, self.cells + cells, self.sums + sums, self.weights + weights, self.followed)
+        start, cells, sums, weights, _, events, _ = other
+        return self._replace(
+            start=self.start + start,
+            cells=self.cells + cells,
+            sums=self.sums + sums,
+            weights=self.weights + weights,
+            events=self.events + events,
+        )
 
     def _each(self, made: Callable[[Array], Array]) -> Response:
         """Return the response with a function applied to each array of columns."""
-        return Response(made(self.start), made(self.cells), made(self.sums), made(self.weights), self.followed)
+        names = "start", "cells", "sums", "weights", "events"
+        return self._replace(**{name: made(getattr(self, name)) for name in names})
 
 
 def step_along(change: ArgumentChange, at: RateNumbers, step: float) -> float:
@@ -124,7 +140,7 @@ def along(
 
     Changes of the stage equations are added to `right` (slices, NODES, N, …), from column `first` on.
     """
-    sums = np.zeros((pitch.q - 1, len(changes)))
+    sums = np.zeros((pitch.machinery.nq, len(changes)))
     some = [i for i, each in enumerate(changes) if not each.nothing]
     if not some:
         return sums
@@ -155,24 +171,47 @@ def along(
 
 def injection(pitch: CollocatedPitch, Y: Array) -> tuple[Array, Array]:
     """Return the derivatives of states after the injection, and of the cells it sets, by the states before it."""
-    N, n, index, at = pitch.N, pitch.n, pitch.injected, pitch.numbers
+    N, n, index = pitch.N, pitch.n, pitch.injected
     states, cells = np.eye(N), np.zeros((len(pitch.cells()), N))
     if index is None:
         return states, cells
-    before, step = pitch.machinery.shift(np.ascontiguousarray(Y[-1, -1])), step_of(pitch)
+    before, step = pitch.at_injection(Y), step_of(pitch)
     for i in range(index * n, index * n + n):
         size = max(abs(before[i]), SMALL)
         found = []
         for sign in (1.0, -1.0):
             y = before.copy()
             y[i] += sign * step * size
-            pitch.put(at)
-            pitch.machinery.inject(y)
-            found.append((y, pitch.cells()))
+            found.append(pitch.injects(y, pitch.numbers))
         states[:, i] = (found[0][0] - found[1][0]) / (2.0 * step * size)
         cells[:, i] = (found[0][1] - found[1][1]) / (2.0 * step * size)
-    pitch.put(at)
     return states, cells
+
+
+class Followed(NamedTuple):
+    """Changes followed through a pitch, a column each: at nodes (slices, NODES, N, K), and of the quadratures.
+
+    Then those of the conditions of events (events, K), and of the states behind these (events, N, K).
+    """
+
+    nodes: Array
+    sums: Array
+    conditions: Array
+    passed: Array
+
+    @classmethod
+    def of(cls, nodes: Array, sums: Array, conditions: Sequence[Array], passed: Sequence[Array]) -> Self:
+        """Return changes with those of events, of which there may be none."""
+        N, K = nodes.shape[-2:]
+        return cls(nodes, sums, np.array(conditions).reshape(-1, K), np.array(passed).reshape(-1, N, K))
+
+    def of_columns(self, columns: slice) -> Self:
+        """Return some of the columns."""
+        return self._make(each[..., columns] for each in self)
+
+    def beside(self, other: Self) -> Self:
+        """Return the columns of both."""
+        return self._make(np.concatenate(each, axis=-1) for each in zip(self, other, strict=True))
 
 
 class LinearisedPitch:
@@ -199,19 +238,23 @@ class LinearisedPitch:
         ratio = not c.carried and "T_oil" in c.states  # whether rates depend on the oil ratio (the first cell) ...
         self._feels = [*([0] if ratio else []), *range(pitch.run_cells, len(sizes))]  # ... and on what a pump uses
         felt = [ArgumentChange(pitch.cells_as_numbers(each)) for each in np.diag(sizes)[self._feels]]
-        self._known = N + len(felt)  # columns before those of changes
+        cells, nothing = N + len(felt), pitch.numbers.times(0.0)
+        moving = [ArgumentChange(nothing, edges) for edges in pitch.events_move]
+        self._events = pitch.linear_events(Y)
+        self._known = cells + len(moving)  # columns before those of changes
         columns = self._known + len(changes)
         right = zeros(*Y.shape, -(-columns // LANES) * LANES)  # whole registers, as a partial one takes as long
-        of_rates = along(pitch, Y, pitch.numbers, [*felt, *changes], right, N)  # cheaper side by side
-        right[..., N : self._known] /= sizes[self._feels]
+        of_rates = along(pitch, Y, pitch.numbers, [*felt, *moving, *changes], right, N)  # cheaper side by side
+        right[..., N:cells] /= sizes[self._feels]
         of_rates[:, : len(felt)] /= sizes[self._feels]
-        cells = map(pitch.cells_as_numbers, np.eye(len(sizes))[self._feels])
-        numbers = [*cells, *(each.numbers for each in changes)]
-        followed, at_borders = self._through(np.eye(N, right.shape[-1]), right, borders, numbers)
-        self._followed, self._sums = followed[..., :columns], (self._summed(followed) + at_borders)[:, :columns]
-        self._sums[:, N:] += of_rates
-        self._around = self._closing(self._followed[-1, -1, :, : self._known])
-        self.first = self._responded(self._followed, self._sums, injected)
+        of_cells = map(pitch.cells_as_numbers, np.eye(len(sizes))[self._feels])
+        numbers = [*of_cells, *(each.numbers for each in (*moving, *changes))]
+        found = self._through(np.eye(N, right.shape[-1]), right, borders, numbers)
+        found.sums[:] += self._summed(found.nodes)
+        self._followed = found.of_columns(slice(columns))
+        self._followed.sums[:, N:] += of_rates
+        self._around = self._closing()
+        self.first = self._responded(self._followed, injected)
 
     @property
     def _equations(self) -> tuple[Array, Array, int, int]:
@@ -221,26 +264,31 @@ class LinearisedPitch:
 
     def _through(
         self, now: Array, right: Array, borders: Sequence[BorderCrossing], numbers: Sequence[RateNumbers]
-    ) -> tuple[Array, Array]:
-        """Return the changes at all nodes from those at the start, and the effect of phase borders on the quadratures.
+    ) -> Followed:
+        """Return the changes at all nodes from those at the start, past phase borders and events.
 
-        `numbers` are the changes of the numbers for the columns after those of states; `now` and `right` are
-        overwritten.
+        Of the quadratures only the effect of borders is included. `numbers` are the changes of the numbers for the
+        columns after those of states; `now` and `right` are overwritten.
         """
         J, widths, states, reach = self._equations
-        sums, first = np.zeros((self.pitch.q - 1, right.shape[-1])), 0
-        for border in sorted(borders, key=lambda each: each.slice):
-            part = slice(first, border.slice + 1)
+        sums, first, conditions, passed = np.zeros((self.pitch.machinery.nq, right.shape[-1])), 0, [], []
+        for each in sorted([*borders, *self._events], key=lambda each: each.slice):
+            part = slice(first, each.slice + 1)
             if part.stop > first:
                 follow_once(J[part], widths[part], states, reach, now, right[part])
-                now = right[border.slice, -1].copy()
-            delay = border.by_states @ now
-            delay[self.pitch.N : self.pitch.N + len(numbers)] += [border.by_numbers(each) for each in numbers]
-            now += np.outer(border.states, delay)
-            sums += np.outer(border.sums, delay)
+                now = right[each.slice, -1].copy()
             first = part.stop
+            if isinstance(each, BorderCrossing):
+                delay = each.by_states @ now
+                delay[self.pitch.N : self.pitch.N + len(numbers)] += [each.by_numbers(one) for one in numbers]
+                now += np.outer(each.states, delay)
+                sums += np.outer(each.sums, delay)
+            else:
+                conditions.append(each.condition(now, numbers))
+                now = each.jumped(now, numbers)
+                passed.append(now)
         follow_once(J[first:], widths[first:], states, reach, now, right[first:])
-        return right, sums
+        return Followed.of(right, sums, conditions, passed)
 
     @once
     def blocks(self) -> Blocks:
@@ -249,41 +297,52 @@ class LinearisedPitch:
 
     def _summed(self, nodes: Array) -> Array:
         """Return the change of the quadratures with changes at the nodes (slices, NODES, N, k)."""
-        sums, widths = np.zeros((self.pitch.q - 1, nodes.shape[-1])), self.pitch.slices.widths
+        sums, widths = np.zeros((self.pitch.machinery.nq, nodes.shape[-1])), self.pitch.slices.widths
         slopes = self.slopes.g_by_states
         compiled().sweeps__add_through(
             slopes.reshape(-1, *slopes.shape[2:]), nodes.reshape(-1, *nodes.shape[2:]), widths, sums
         )
         return sums
 
-    def _closing(self, end: Array) -> Array:
-        """Return the inverse of 1 − (the map of start and cells over one period).
+    def _returned(self, followed: Followed) -> Array:
+        """Return the changes of the next start, of the cells, and of the conditions of events, a column each."""
+        pitch, nodes = self.pitch, followed.nodes
+        end = shifted(nodes[-1, -1], pitch.machinery.composition.chambers)
+        return np.concatenate([self.inject @ end, self.noted @ pitch.before_injection(nodes), followed.conditions])
 
-        `end` is the response of the states at the end to start and felt cells.
-        """
-        N, chambers = self.pitch.N, self.pitch.machinery.composition.chambers
-        made = np.zeros((N, N + len(self.noted)))
-        made[:, [*range(N), *(N + i for i in self._feels)]] = end
-        back = np.concatenate([self.inject, self.noted]) @ shifted(made, chambers)
+    def _closing(self) -> Array:
+        """Return the inverse of 1 − (the map of start and cells over one period); events: of minus their conditions."""
+        found = self._returned(self._followed.of_columns(slice(self._known)))
+        N, events = self.pitch.N, len(self._events)
+        first = len(found) - events  # row of the first event
+        back = np.zeros((len(found), len(found)))
+        back[:, [*range(N), *(N + i for i in self._feels), *range(first, len(found))]] = found
+        back[range(first, len(found)), range(first, len(found))] += 1.0
         return np.linalg.inv(np.eye(len(back)) - back)
 
-    def respond(self, stages: Array) -> Response:
-        """Return the periodic response to sources (…, k) in the stage equations."""
-        nodes = self.blocks.follow(np.zeros((self.pitch.N, stages.shape[-1])), stages.copy())
-        followed = np.concatenate([self._followed[..., : self._known], nodes], axis=-1)
-        return self._responded(followed, np.concatenate([self._sums[:, : self._known], self._summed(nodes)], axis=-1))
+    def respond(self, stages: Array, conditions: Array) -> Response:
+        """Return the periodic response to sources (…, k) in the stage equations and in the conditions of events."""
+        begins, nodes = np.zeros((self.pitch.N, stages.shape[-1])), stages.copy()
+        firsts, passed, of_events = [0, *(each.slice + 1 for each in self._events), len(nodes)], [], []
+        for i, (low, high) in enumerate(pairwise(firsts)):
+            self.blocks.follow(begins, nodes[low:high], slice(low, high))
+            if high < len(nodes):
+                of_events.append(self._events[i].condition(nodes[high - 1, -1], ()) + conditions[i])
+                begins = self._events[i].jumped(nodes[high - 1, -1], ())
+                passed.append(begins)
+        more = Followed.of(nodes, self._summed(nodes), of_events, passed)
+        return self._responded(self._followed.of_columns(slice(self._known)).beside(more))
 
-    def _responded(self, followed: Array, sums: Array, injected: DirectEffects | None = None) -> Response:
-        """Return the periodic response to what was followed beyond start and felt cells, a column each.
+    def _responded(self, followed: Followed, injected: DirectEffects | None = None) -> Response:
+        """Return the periodic response to what was followed beyond start, felt cells and events, a column each.
 
-        `sums` are the corresponding changes of the quadratures; the last columns also have injected sources.
+        The last columns also have injected sources.
         """
-        N, chambers, known = self.pitch.N, self.pitch.machinery.composition.chambers, self._known
-        end = shifted(followed[-1, -1, :, known:], chambers)
-        made = np.concatenate([self.inject @ end, self.noted @ end])
+        N, known, events = self.pitch.N, self._known, len(self._events)
+        made = self._returned(followed.of_columns(slice(known, None)))
         if injected is not None:
-            made[:, made.shape[1] - injected.start.shape[1] :] += np.concatenate(injected)
+            made[: len(made) - events, made.shape[1] - injected.start.shape[1] :] += np.concatenate(injected)
         found = self._around @ made
-        start, cells = found[:N], found[N:]
-        weights = np.concatenate([start, cells[self._feels], np.eye(end.shape[1])])
-        return Response(start, cells, sums @ weights, weights, followed)
+        start, cells, moved = np.split(found, [N, len(found) - events])
+        weights = np.concatenate([start, cells[self._feels], moved, np.eye(made.shape[1])])
+        return Response(start, cells, followed.sums @ weights, weights, followed.nodes, moved, followed.passed)

@@ -79,8 +79,8 @@ def derivatives(
         return {}, refused
     (every, moves), read = closed_with_drive(cycle, every, all_directions), []
     peak = peak_step(unshifted_evaluation(cycle, all_directions))
-    states = cycle.nodes.__getitem__
-    turn = None if peak is None else PeakPlace(*peak, in_step(cycle.pitch, cycle.start, states, peak[0]))
+    states, after = cycle.nodes.__getitem__, cycle.pitch.after(cycle.nodes)
+    turn = None if peak is None else PeakPlace(*peak, in_step(cycle.pitch, cycle.start, states, after, peak[0]))
     here = _readings_of(unshifted_evaluation(cycle, all_directions, turn), bool(around))
     for j, direction in enumerate(every):
         there = _readings_of(shifted_evaluation(cycle, direction, moves.by(j), all_directions, turn), bool(around))
@@ -185,8 +185,6 @@ def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Sce
     if not fineness.estimated:
         scene = replace(scene, numerics=replace(scene.numerics, error="none"))
     problem, search = steady_state(problem_of(scene, series), series)
-    if problem.composition.chambers == 1:
-        return SceneDerivatives({}, {}, ONE_CHAMBER)
     machinery = lease_for(problem)
     accurate = solve_with_surroundings(problem, machinery, None, search)
     if not accurate.cycle.closed:
