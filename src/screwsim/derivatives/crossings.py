@@ -54,6 +54,8 @@ def crossings(pitch: CollocatedPitch) -> list[Crossing]:
     slices = pitch.slices
     angles = (slices.edges[:-1, None] + slices.widths[:, None] * SAMPLED_SHARES).ravel()
     wide = np.repeat(slices.widths, len(SAMPLED_SHARES))
+    if pitch.alone:  # at the dead centre, where a turn begins, the gas that is left begins to expand
+        angles, wide = np.append(slices.edges[0], angles), np.append(wide[0], wide)
     c, life = pitch.machinery.composition, pitch.machinery.trajectory
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
     states = life.states_at((starts[:, None] + angles).ravel()).reshape(c.chambers, len(angles), -1)

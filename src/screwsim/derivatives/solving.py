@@ -45,7 +45,6 @@ Array = np.ndarray
 STEP = 2e-7  # relative shift of a number, for differences
 LARGEST_RESIDUAL = 1e-4  # [K, kPa], largest admissible residual of the surroundings of the collocated cycle ...
 MOST_STEPS = 3  # ... unless so many Newton steps were made
-ONE_CHAMBER = "chambers are integrated one at a time, with valve and seat events of their own"
 AT_END = "it moves the end of the range at which what is found with the cycle stands (oil flow, economizer, valve)"
 
 
