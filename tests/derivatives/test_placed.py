@@ -24,7 +24,8 @@ def cycle(request):
 
 def test_the_pressure_where_it_turns_is_that_of_the_history_and_asks_for_none(cycle):
     pitch, asked = cycle.pitch, []
-    turning = PeakPlace(STEP, SHARE, in_step(pitch, cycle.start, cycle.nodes.__getitem__, pitch.after(cycle.nodes), STEP))
+    states = in_step(pitch, cycle.start, cycle.nodes.__getitem__, pitch.after(cycle.nodes), STEP)
+    turning = PeakPlace(STEP, SHARE, states)
     life = ShiftedLife.of(pitch, lambda: asked.append("a history"), turning)
     times = pitch.machinery.trajectory.times
     angle = (1.0 - SHARE) * times[STEP] + SHARE * times[STEP + 1]

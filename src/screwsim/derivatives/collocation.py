@@ -9,13 +9,15 @@ import numpy as np
 
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives import chamber_newton, slices
+from screwsim.derivatives.argument_changes import ArgumentChange
 from screwsim.derivatives.chamber_newton import SMALL, ChamberFactors, approach, damped, limited_step, residual_of
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.events import Course, course_of
-from screwsim.derivatives.linear import ArgumentChange, DirectEffects, LinearisedPitch, Response
+from screwsim.derivatives.linear import DirectEffects, LinearisedPitch, Response
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.phases import borders
-from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers, Slopes
+from screwsim.derivatives.pitch import CollocatedPitch, Slopes
+from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.derivatives.shifted_life import ShiftedLife
 from screwsim.derivatives.turn import CollocatedTurn
 from screwsim.model.run import Machinery
@@ -249,10 +251,10 @@ def _closed(
         cycle = CollocatedCycle(pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in)
         back = unknowns_response(cycle, of_unknowns, 0)
         change = solve_unknowns(back, off + unknowns_response(cycle, response, 1)[:, 0], _stated_unknowns(back))
-        moves = response.of(0), of_unknowns.weighted(change)
-        events = sum(each.events for each in moves)
+        direct, through = response.of(0), of_unknowns.weighted(change)
+        events = direct.events + through.events
         share = pitch.share_of_move(events)
-        last = damped(sum(share * each.nodes for each in moves), last)
+        last = damped(share * (direct.nodes + through.nodes), last)
         Y = limited_step(pitch, Y, last)
         pitch.move_events(share * events)
         pitch.meet(entries.coordinates(unknowns_in) + change, unknowns_in)

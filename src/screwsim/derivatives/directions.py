@@ -12,9 +12,10 @@ import numpy as np
 
 from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
 from screwsim.cycle.problem import Problem
+from screwsim.derivatives.argument_changes import ArgumentChange
 from screwsim.derivatives.collocation import CollocatedCycle, LinearisedCycle, linearised
-from screwsim.derivatives.linear import ArgumentChange, DirectEffects
-from screwsim.derivatives.pitch import RateNumbers
+from screwsim.derivatives.linear import DirectEffects
+from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.inputs.faults import UsageError
 from screwsim.model import speed
 from screwsim.model.run import Machinery

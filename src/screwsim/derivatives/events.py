@@ -1,17 +1,18 @@
 """Events within the turn of a single chamber: what moves between seat and stop meets one, bounces or rests, and leaves.
 
-Each event ends a slice, at an angle that is an unknown of the collocated cycle: there the position equals that of seat or
-stop, or the push on what rests there reverses. Between two slices the states jump by the law of impact, so that a small
-change passes an event by the derivatives of that law alone: the slices move with the event.
+Each event ends a slice, at an angle that is an unknown of the collocated cycle: there the position equals that of seat
+or stop, or the push on what rests there reverses. Between two slices the states jump by the law of impact. As slices
+move with their events, a small change passes one by the derivatives of that law alone.
 
 Source: docs/reference/slider-crank.md S26, S32, S33 (`model.impacts`); docs/explanation/derivatives.md.
 """
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
+from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.model.impacts import LEAVES, MOVES, SEATED, STOPPED
 from screwsim.model.run import Machinery
 from screwsim.model.slots import OPENING, S_RHO, S_T
@@ -76,14 +77,14 @@ class EventLaws:
         self.machinery, c = machinery, machinery.composition
         self.stops, self.due = c.stops, OPENING + 2 * len(c.plenum_paths) + len(c.stops)
 
-    def open_(self, event: Event, y: Array, numbers: Any) -> float:
+    def open_(self, event: Event, y: Array, numbers: RateNumbers) -> float:
         """Return what is open of an event's condition at the states before it: a position, or a push."""
         if event.what == LEAVES:
             P, TAB, R = numbers
             return float(self.machinery.module.push_on(event.pair, float(y[S_T]), float(y[S_RHO]), y, R, P, TAB))
         return float(y[self.stops[event.pair][0]]) - 0.5 * (1.0 + event.what)
 
-    def open_by_states(self, event: Event, y: Array, numbers: Any) -> Array:
+    def open_by_states(self, event: Event, y: Array, numbers: RateNumbers) -> Array:
         """Return the derivatives of that by the states."""
         found = np.zeros(len(y))
         if event.what != LEAVES:
@@ -95,14 +96,14 @@ class EventLaws:
             found[i] = (sides[0] - sides[1]) / (2.0 * step)
         return found
 
-    def open_by_numbers(self, event: Event, y: Array, numbers: Any, change: Any) -> float:
+    def open_by_numbers(self, event: Event, y: Array, numbers: RateNumbers, change: RateNumbers) -> float:
         """Return the derivative of that along a change of the numbers."""
-        if event.what != LEAVES or change.nothing:
+        if event.what != LEAVES:
             return 0.0
         sides = [self.open_(event, y, numbers.plus(by, change)) for by in (SHIFT, -SHIFT)]
         return (sides[0] - sides[1]) / (2.0 * SHIFT)
 
-    def after(self, event: Event, y: Array, numbers: Any) -> Array:
+    def after(self, event: Event, y: Array, numbers: RateNumbers) -> Array:
         """Return the states after an event, from those before it."""
         found = y.copy()
         if event.what != LEAVES:
@@ -114,7 +115,7 @@ class EventLaws:
             found[j] = 0.0 if event.rests else found[j]
         return found
 
-    def after_by_states(self, event: Event, y: Array, numbers: Any) -> Array:
+    def after_by_states(self, event: Event, y: Array, numbers: RateNumbers) -> Array:
         """Return the derivatives of each state after an event by the same one before it."""
         found = np.ones(len(y))
         if event.what != LEAVES:
@@ -122,22 +123,25 @@ class EventLaws:
             found[i], found[j] = 0.0, self.after(event, y, numbers)[j] / y[j]
         return found
 
-    def after_by_numbers(self, event: Event, y: Array, numbers: Any, change: Any) -> Array:
+    def after_by_numbers(self, event: Event, y: Array, numbers: RateNumbers, change: RateNumbers) -> Array:
         """Return the derivatives of the states after an event along a change of the numbers."""
         if event.what == LEAVES or event.rests or not change.P.any():
             return np.zeros(len(y))
         sides = [self.after(event, y, numbers.plus(by, change)) for by in (SHIFT, -SHIFT)]
         return (sides[0] - sides[1]) / (2.0 * SHIFT)
 
-    def missed(self, modes: Array, Y: Array, numbers: Any) -> str:
-        """Return what is wrong with the modes (slices, pairs) for states (slices, nodes, N); empty if nothing is."""
+    def missed(self, modes: Array, Y: Array, numbers: RateNumbers) -> str:
+        """Return what is wrong with the modes (slices, pairs) for states (slices, nodes, N); empty if nothing is.
+
+        A push is asked for at the ends of slices alone.
+        """
         P, TAB, R = numbers
         for pair, (i, _) in enumerate(self.stops):
             flies = Y[modes[:, pair] == MOVES][..., i]
             if len(flies) and (flies.min() < -BEYOND or flies.max() > 1.0 + BEYOND):
                 return "a valve meets its seat or stop where the integrated turn does not"
             for side in (SEATED, STOPPED):
-                for y in Y[modes[:, pair] == side].reshape(-1, Y.shape[-1]):
+                for y in Y[modes[:, pair] == side][:, -1]:
                     push = self.machinery.module.push_on(pair, float(y[S_T]), float(y[S_RHO]), y, R, P, TAB)
                     if side * push < -BEYOND:
                         return "a valve leaves its seat or stop where the integrated turn does not"

@@ -14,19 +14,16 @@ import numpy as np
 
 from screwsim.codegen.kinds import LANES
 from screwsim.cycle.linear_pitch import shifted
+from screwsim.derivatives.argument_changes import SMALL, ArgumentChange, along, along_events, step_of
 from screwsim.derivatives.blocks import Blocks, follow_once
-from screwsim.derivatives.lane_rates import RateRequest, rates_of
 from screwsim.derivatives.phases import BorderCrossing
-from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers, Slopes
+from screwsim.derivatives.pitch import CollocatedPitch, Slopes
+from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.derivatives.sweeps import compiled
-from screwsim.model.slots import P_GAP_WIDTH, PORT_STATE, PRESSURE, R_RATIO
 from screwsim.numerics.identity_cache import once
 from screwsim.numerics.reused_arrays import zeros
 
 Array = np.ndarray
-OF_WIDTH = 1e-5  # step of differences over the regularisation: a tenth of a node's distance from a turning ...
-LEAST, MOST = 1e-10, 1e-9  # ... within these bounds
-SMALL = 1e-3  # least size of a state or a cell, for relative steps
 
 
 class DirectEffects(NamedTuple):
@@ -89,84 +86,6 @@ class Response(NamedTuple):
         """Return the response with a function applied to each array of columns."""
         names = "start", "cells", "sums", "weights", "events"
         return self._replace(**{name: made(getattr(self, name)) for name in names})
-
-
-def step_along(change: ArgumentChange, at: RateNumbers, step: float) -> float:
-    """Return the relative step of differences along a change: of central ones so that pressures move by `step` at most.
-
-    A saturation temperature moves the pressure of its line ten times as far as itself, and nodes must not be moved
-    beyond the turning of a flow.
-    """
-    if not change.both:
-        return step
-    lines = slice(PRESSURE, R_RATIO, PORT_STATE)
-    moved = change.numbers.R[lines] / np.where(at.R[lines] > 0.0, at.R[lines], np.inf)
-    return step / max(1.0, float(np.abs(moved).max()))
-
-
-def step_of(pitch: CollocatedPitch) -> float:
-    """Return the relative step of differences: small against the regularisation, far above rounding."""
-    width = float(pitch.machinery.composition.P[P_GAP_WIDTH])
-    return min(MOST, max(LEAST, OF_WIDTH * width))
-
-
-class ArgumentChange(NamedTuple):
-    """A direction: change of the numbers, and of the slices' edges [rad]; `side` is the sign of its differences.
-
-    Where two breakpoints of the laws coincide and one of them moves, edges stay, and the differences are taken on
-    the side where the nodes at the ends of slices remain in their segments; one sign for each slice where
-    breakpoints move both ways.
-    """
-
-    numbers: RateNumbers
-    edges: Array | None = None
-    side: float | Array = 1.0
-
-    @property
-    def nothing(self) -> bool:
-        """Whether no rate depends on it."""
-        return self.numbers.nothing and self.edges is None
-
-    @property
-    def both(self) -> bool:
-        """Whether differences must be central: for pressures of lines, in whose layers chambers may remain for long."""
-        return bool(self.numbers.R[PRESSURE:R_RATIO:PORT_STATE].any())
-
-
-def along(
-    pitch: CollocatedPitch, Y: Array, at: RateNumbers, changes: Sequence[ArgumentChange], right: Array, first: int
-) -> Array:
-    """Return the change of the quadratures with changes of the rates' arguments, a column each.
-
-    Changes of the stage equations are added to `right` (slices, NODES, N, …), from column `first` on.
-    """
-    sums = np.zeros((pitch.machinery.nq, len(changes)))
-    some = [i for i, each in enumerate(changes) if not each.nothing]
-    if not some:
-        return sums
-    of_pressures, asked, of_asked = step_of(pitch), [RateRequest(at, None)], []
-    for i in some:
-        numbers, edges, side = changes[i]
-        both, step = changes[i].both, step_along(changes[i], at, of_pressures)
-        signs = (side,) if isinstance(side, float) and not both else (1.0, -1.0)
-        of_asked += [(i, sign / step * (0.5 if both else np.equal(side, sign)), not both) for sign in signs]
-        for sign in signs:
-            there = None if edges is None else pitch.slices.edges + sign * step * edges
-            asked.append(RateRequest(at.plus(sign * step, numbers), there))
-    own: list[Array] = []
-    for which, *found in rates_of(pitch, Y, asked):
-        found = [rates.reshape(-1, *rates.shape[2:]) for rates in found]
-        own = own or [rates[..., 0].copy() for rates in found]
-        lane, widths = int(not which.start), pitch.slices.widths
-        of_lanes = of_asked[which.start + lane - 1 : which.stop - 1]
-        edges = [each.edges for each in asked[which.start + lane : which.stop]]
-        there = [per * (widths if e is None else np.diff(e)) for (_, per, _), e in zip(of_lanes, edges, strict=True)]
-        here = [per * one_sided * widths for _, per, one_sided in of_lanes]
-        how = lane, *(np.ascontiguousarray(np.transpose(each)) for each in (there, here))
-        columns = np.array([i for i, *_ in of_lanes])
-        compiled().sweeps__add_stages(found[0], own[0], *how, first + columns, right.reshape(-1, *right.shape[2:]))
-        compiled().sweeps__add_sums(found[1], own[1], *how, columns, sums)
-    return sums
 
 
 def injection(pitch: CollocatedPitch, Y: Array) -> tuple[Array, Array]:
@@ -239,14 +158,15 @@ class LinearisedPitch:
         self._feels = [*([0] if ratio else []), *range(pitch.run_cells, len(sizes))]  # ... and on what a pump uses
         felt = [ArgumentChange(pitch.cells_as_numbers(each)) for each in np.diag(sizes)[self._feels]]
         cells, nothing = N + len(felt), pitch.numbers.times(0.0)
-        moving = [ArgumentChange(nothing, edges) for edges in pitch.events_move]
         self._events = pitch.linear_events(Y)
+        moving = [ArgumentChange(nothing)] * len(self._events)  # of the edges alone, by `along_events`
         self._known = cells + len(moving)  # columns before those of changes
         columns = self._known + len(changes)
         right = zeros(*Y.shape, -(-columns // LANES) * LANES)  # whole registers, as a partial one takes as long
         of_rates = along(pitch, Y, pitch.numbers, [*felt, *moving, *changes], right, N)  # cheaper side by side
         right[..., N:cells] /= sizes[self._feels]
         of_rates[:, : len(felt)] /= sizes[self._feels]
+        of_rates[:, len(felt) : len(felt) + len(moving)] = along_events(pitch, Y, right[..., cells : self._known])
         of_cells = map(pitch.cells_as_numbers, np.eye(len(sizes))[self._feels])
         numbers = [*of_cells, *(each.numbers for each in (*moving, *changes))]
         found = self._through(np.eye(N, right.shape[-1]), right, borders, numbers)
@@ -272,6 +192,7 @@ class LinearisedPitch:
         """
         J, widths, states, reach = self._equations
         sums, first, conditions, passed = np.zeros((self.pitch.machinery.nq, right.shape[-1])), 0, [], []
+        felt = [(k, each) for k, each in enumerate(numbers, self.pitch.N) if self._events and not each.nothing]
         for each in sorted([*borders, *self._events], key=lambda each: each.slice):
             part = slice(first, each.slice + 1)
             if part.stop > first:
@@ -284,8 +205,8 @@ class LinearisedPitch:
                 now += np.outer(each.states, delay)
                 sums += np.outer(each.sums, delay)
             else:
-                conditions.append(each.condition(now, numbers))
-                now = each.jumped(now, numbers)
+                conditions.append(each.condition(now, felt))
+                now = each.jumped(now, felt)
                 passed.append(now)
         follow_once(J[first:], widths[first:], states, reach, now, right[first:])
         return Followed.of(right, sums, conditions, passed)

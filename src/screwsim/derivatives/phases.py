@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers
+from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.derivatives.slices import CORNER_LAYER, SHARE_BEFORE, Crossing
 from screwsim.model.slots import P_PITCH, S_RHO, S_T
 from screwsim.numerics.roots import bisected

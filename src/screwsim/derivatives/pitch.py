@@ -8,7 +8,7 @@ derivatives are then those of a system of equations (implicit-function theorem),
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, ClassVar, NamedTuple, Protocol, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.events import Course
+from screwsim.derivatives.rate_numbers import LinearEvent, RateNumbers
 from screwsim.derivatives.slices import INTEGRALS, NODES, Slices
 from screwsim.derivatives.sweeps import compiled as sweeps
 from screwsim.model import compiled
@@ -28,42 +29,6 @@ from screwsim.numerics.reused_arrays import empty
 
 Array = np.ndarray
 INSIDE = 1e-9  # share of a pitch before its end that still belongs to the same chamber
-
-
-class RateNumbers(NamedTuple):
-    """Arguments of rates besides states and angle, or a change of these: parameters, tables and run-time cells."""
-
-    P: Array
-    TAB: Array
-    R: Array
-
-    def plus(self, by: float, change: Self) -> Self:
-        """Return these plus a multiple of a change."""
-        return self._make(one + by * more for one, more in zip(self, change, strict=True))
-
-    def times(self, by: float) -> Self:
-        """Return a multiple of these."""
-        return self._make(by * one for one in self)
-
-    @property
-    def nothing(self) -> bool:
-        """Whether this change is zero."""
-        return not any(each.any() for each in self)
-
-
-class LinearEvent(Protocol):
-    """An event at the end of a slice, linearised (`turn`): its condition, and the jump of the states behind it."""
-
-    slice: int
-
-    def condition(self, now: Array, numbers: Sequence[RateNumbers]) -> Array:
-        """Return the changes (k,) of its condition by those of the states before it (N, k), and of numbers.
-
-        The numbers belong to the columns after those of the states at the start.
-        """
-
-    def jumped(self, now: Array, numbers: Sequence[RateNumbers]) -> Array:
-        """Return the changes of the states after it (N, k)."""
 
 
 class Slopes(NamedTuple):
@@ -183,12 +148,15 @@ class CollocatedPitch:
         return self.machinery.alone
 
     def before_injection(self, followed: Array) -> Array:
-        """Return the changes of the states on which the cells depend, from changes at all nodes (slices, NODES, N, k)."""
+        """Return the changes of the states on which the cells depend, from those at all nodes (slices, NODES, N, k)."""
         return shifted(followed[-1, -1], self.machinery.composition.chambers)
 
     # ---- events ------------------------------------------------------------------------------------------------
 
-    passed: ClassVar[Sequence[int]] = ()  # the slices that end with an event
+    @property
+    def passed(self) -> Sequence[int]:
+        """The slices that end with an event."""
+        return ()
 
     def after(self, Y: Array) -> Array:
         """Return the states after each event (events, N), from those at the nodes."""
@@ -376,7 +344,7 @@ class CollocatedPitch:
         self.install_life(self.life(y, Y, self.after(Y)))
 
     def install_shifted(self, y: Array, Y: Array, by: float, change: Any) -> None:
-        """Install the polynomials of states at the start and the nodes with a multiple of a change (`linear.Response`)."""
+        """Install the polynomials of states at the start and the nodes with a multiple of a `linear.Response`."""
         after = self.after(Y) + by * change.after
         edges = self.slices.edges + by * (change.events @ self.events_move)
         self.install_life(self.life(y + by * change.start, Y + by * change.nodes, after), edges)

@@ -30,7 +30,7 @@ from screwsim.derivatives.collocation import FINE, CollocatedCycle, Fineness, No
 from screwsim.derivatives.directions import Direction, Directions, Structural
 from screwsim.derivatives.driven import closed_with_drive
 from screwsim.derivatives.peak import peak_pressure, peak_step
-from screwsim.derivatives.pitch import RateNumbers
+from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.derivatives.response import shifted_evaluation, unshifted_evaluation
 from screwsim.derivatives.shifted_life import PeakPlace, ShiftedLife, in_step
 from screwsim.evaluate.evaluation import Evaluation

@@ -6,14 +6,15 @@ Nothing is injected: a turn starts with the states at its end, and cells that th
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from screwsim.derivatives.events import UNIT, Course, Event, EventLaws, hats
-from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers
+from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.rate_numbers import Changes, LinearEvent, RateNumbers
 from screwsim.derivatives.slices import NODES, between
-from screwsim.model.slots import FREE, P_INJECTION, PHASE, PRESSURE, PORT_STATE
+from screwsim.model.slots import FREE, P_INJECTION, PHASE, PORT_STATE, PRESSURE
 from screwsim.numerics.history import NUDGE
 
 Array = np.ndarray
@@ -29,24 +30,24 @@ class TurnEvent(NamedTuple):
     y: Array
     at: RateNumbers
 
-    def condition(self, now: Array, numbers: Sequence[RateNumbers]) -> Array:
-        """Return the changes (k,) of its condition by those of the states before it (N, k), and of numbers."""
+    def condition(self, now: Array, numbers: Changes) -> Array:
+        """Return the changes (k,) of its condition by those of the states before it (N, k), and of some numbers."""
         found = self.laws.open_by_states(self.event, self.y, self.at) @ now
-        own = [self.laws.open_by_numbers(self.event, self.y, self.at, each) for each in numbers]
-        found[len(now) : len(now) + len(own)] += own
+        for k, each in numbers:
+            found[k] += self.laws.open_by_numbers(self.event, self.y, self.at, each)
         return found
 
-    def jumped(self, now: Array, numbers: Sequence[RateNumbers]) -> Array:
+    def jumped(self, now: Array, numbers: Changes) -> Array:
         """Return the changes of the states after it (N, k)."""
         found = self.laws.after_by_states(self.event, self.y, self.at)[:, None] * now
-        for k, each in enumerate(numbers, len(now)):
+        for k, each in numbers:
             found[:, k] += self.laws.after_by_numbers(self.event, self.y, self.at, each)
         return found
 
 
 @dataclass
 class CollocatedTurn(CollocatedPitch):
-    """A single chamber over one turn on slices that end at the breakpoints of the laws, corners and events: the `seams`."""
+    """A single chamber over one turn, on slices that end at all `seams`: breakpoints of the laws, corners, events."""
 
     seams: Array
     course: Course
@@ -55,12 +56,11 @@ class CollocatedTurn(CollocatedPitch):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.laws = EventLaws(self.machinery)
-        self.passed = (np.searchsorted(self.slices.edges, self.course.angles) - 1).tolist()
         self.switches = self._switches()
         self.modes = self.course.modes()[np.searchsorted(self.course.angles, self.slices.middles)]
 
     def _switches(self) -> Array:
-        """Return the switch of each path on each slice (slices, paths): whether a check valve is open; FREE for others."""
+        """Return the switch of each path on each slice (slices, paths): whether a check valve is open; else FREE."""
         parts, life = self.problem.parts, self.machinery.trajectory
         found, middles = np.full((self.count, len(parts.ports)), FREE), self.slices.middles
         for i, (_, path) in enumerate(parts.ports):
@@ -115,10 +115,15 @@ class CollocatedTurn(CollocatedPitch):
         return Y[self.injection_slice, -1].copy()
 
     def before_injection(self, followed: Array) -> Array:
-        """Return the changes of the states on which the cells depend, from changes at all nodes (slices, NODES, N, k)."""
+        """Return the changes of the states on which the cells depend, from those at all nodes (slices, NODES, N, k)."""
         return followed[self.injection_slice, -1]
 
     # ---- events ------------------------------------------------------------------------------------------------
+
+    @property
+    def passed(self) -> Sequence[int]:
+        """The slices that end with an event."""
+        return (np.searchsorted(self.slices.edges, self.course.angles) - 1).tolist()
 
     def after(self, Y: Array) -> Array:
         """Return the states after each event (events, N), from those at the nodes."""
@@ -130,7 +135,7 @@ class CollocatedTurn(CollocatedPitch):
         at, pairs = self.numbers, zip(self.passed, self.course.events, strict=True)
         return np.array([self.laws.open_(event, Y[k, -1], at) for k, event in pairs])
 
-    def linear_events(self, Y: Array) -> Sequence[TurnEvent]:
+    def linear_events(self, Y: Array) -> Sequence[LinearEvent]:
         """Return the linearised events, in order."""
         at, pairs = self.numbers, zip(self.passed, self.course.events, strict=True)
         return [TurnEvent(k, self.laws, event, Y[k, -1].copy(), at) for k, event in pairs]
@@ -143,19 +148,16 @@ class CollocatedTurn(CollocatedPitch):
     def share_of_move(self, by: Array) -> float:
         """Return the share of a change of the events' unknowns that leaves them in their order."""
         widths = np.diff(self.seams)
-        moves = np.abs(np.diff(by @ (UNIT * hats(self.seams, self.seams, self.course.angles)))) if len(by) else widths
-        return min(1.0, MOST_MOVED / max(1e-300, float((moves / widths).max()))) if len(by) else 1.0
+        moves = np.abs(np.diff(by @ (UNIT * hats(self.seams, self.seams, self.course.angles))))
+        return min(1.0, MOST_MOVED / max(1e-300, float((moves / widths).max())))
 
     def move_events(self, by: Array) -> None:
         """Move the edges of slices with the unknowns of events."""
-        if len(by):
-            edges = self.slices.edges + by @ self.events_move
-            self.seams = self.seams + by @ (UNIT * hats(self.seams, self.seams, self.course.angles))
-            self.course = self.course.moved(self.course.angles + UNIT * by)
-            at = np.array(self.passed) + 1
-            edges[at] = self.course.angles
-            self.seams[np.abs(self.seams[:, None] - self.course.angles).argmin(axis=0)] = self.course.angles
-            self.slices = between(edges)
+        angles, passed = self.course.angles + UNIT * by, np.array(self.passed, int)
+        edges, seams = self.slices.edges + by @ self.events_move, self.seams.copy()
+        seams[np.searchsorted(seams, self.course.angles)] = angles
+        edges[passed + 1] = angles
+        self.slices, self.seams, self.course = between(edges), seams, self.course.moved(angles)
 
     def with_events_moved(self, edges: Array, seams: Array, course: Course) -> tuple[Array, Array, Course]:
         """Return other edges, the seams and the events where these are now."""

@@ -1,6 +1,6 @@
 """A chamber that has no neighbours, at many angles, as text: its rates and their exact derivatives by the states.
 
-What the integrator holds over a step (the phase of the gas, the switch of a valve, what rests on a seat or stop) is held
+What the integrator holds over a step (the phase of the gas, the switch of a valve, what rests on seat or stop) is held
 as the memory behind the port state says, in the context of all chambers together (`model.trajectory.CoupledContext`).
 """
 
