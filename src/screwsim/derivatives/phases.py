@@ -111,7 +111,7 @@ def _border(pitch: CollocatedPitch, Y: Array, k: int, chamber: int, phases: Arra
         return None
     by_states = np.zeros(pitch.N)
     by_states[own] = -passes / steepness
-    return BorderCrossing(pitch, k, T, rho, steepness, by_states, f - f_behind, (g - g_behind)[:-1])
+    return BorderCrossing(pitch, k, T, rho, steepness, by_states, f - f_behind, (g - g_behind)[: pitch.machinery.nq])
 
 
 def border_temperature(pitch: CollocatedPitch, T: float, rho: float, numbers: RateNumbers) -> float:
