@@ -30,7 +30,8 @@ ERROR = 0.03  # of the wanted accuracy: error of a slice
 READ_INSIDE = 0.1  # factor on that where flows to pulsating lines are read inside slices, less surely estimated
 WIDER_INSIDE = 0.8  # ... and on the growth of slices around the turning of a flow
 OF_TURN = 0.03  # factor on the error of a slice where there is a single chamber, whose slices cost little
-FINE_TURNS = 2  # turns after its closed one that tell the events of its valves: a closed cycle is open by its tolerance
+FINE_TURN = 1e-6  # tolerance of a step in the turns after its closed one that tell the events of its valves ...
+FINE_TURNS = 2  # ... which are so many, as a closed cycle is open by its tolerance
 MOST_EVENTS = 300  # of a turn: each is an unknown
 ROUNDS = 9  # of refinement
 MOST_ITERATIONS = 20  # Newton iterations ...
@@ -53,8 +54,7 @@ class Fineness(NamedTuple):
     They apply to the error of a slice, `divided`: the factor on it up to which a divided slice is not checked
     again; the residual of the cycle; the slices around a turning of a flow, the first and the ratio from each to
     the next; the longest slice; and how near to its turning a slice must end. If not `estimated`, the cycle is the
-    first that the scene's tolerances close, whatever the error of its figures. `turn` is the tolerance of a step in the
-    turn of a single chamber that tells the events of its valves.
+    first that the scene's tolerances close, whatever the error of its figures.
     """
 
     error: float = 1.0
@@ -65,11 +65,10 @@ class Fineness(NamedTuple):
     longest: float = 1.0
     near: float = 1.0
     estimated: bool = True
-    turn: float = 1e-8
 
 
 FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # errors of 1e-5 of a derivative, in 95 of 100
-QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False, 1e-6)  # errors of 1e-3
+QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # errors of 1e-3
 
 
 class CollocatedCycle(NamedTuple):
@@ -105,7 +104,7 @@ def collocated(problem: Problem, machinery: Machinery, life: Trajectory, finenes
     """Return the collocated cycle of a closed life; raise NotClosed where none is found."""
     c = machinery.composition
     machinery.composition = replace(c, TAB=c.TAB.copy())  # a writable copy
-    life, why = fine_turn(machinery, life, fineness.turn) if machinery.alone else life, NotClosed()
+    life, why = fine_turn(machinery, life) if machinery.alone else life, NotClosed()
     for steps in STEPS:
         try:
             return _collocated(problem, machinery, life, steps, fineness)
@@ -114,12 +113,12 @@ def collocated(problem: Problem, machinery: Machinery, life: Trajectory, finenes
     raise why
 
 
-def fine_turn(machinery: Machinery, life: Trajectory, rtol: float) -> Trajectory:
+def fine_turn(machinery: Machinery, life: Trajectory) -> Trajectory:
     """Return a turn of a single chamber after a closed one, integrated finely: its events are those of the cycle."""
     machinery.put(life)
     y = life.dense[0, 0, : machinery.n].copy()
     for _ in range(FINE_TURNS):
-        status, *_ = machinery.turn(y, rtol, float(life.times[1] - life.times[0]))
+        status, *_ = machinery.turn(y, FINE_TURN, float(life.times[1] - life.times[0]))
         if status:
             raise NotClosed("a finely integrated turn fails")
         machinery.swap()
