@@ -58,7 +58,7 @@ NO_SCENES = (".fit.yaml", ".stages.yaml")
 CLOSINGS = "histories", "coupled"
 OFF = 0.1  # of a number, in a random scene
 STEP = 3e-4  # of a number, step of differences; for an angle a tenth of it: a percent of an angle is several degrees
-STEP_OF_ONE = 1e-3  # the same of a machine of one chamber, whose closed cycles are less alike: valves bounce to the last
+STEP_OF_ONE = 1e-3  # the same of a machine of one chamber: its cycles are less alike, as last bounces come and go
 MANY = np.array((1.0, 2.0, 4.0))
 GOOD = 1e-5
 KINK = 30.0  # times the uncertainty of the reference by which both sides differ at a kink ...
@@ -152,7 +152,7 @@ class Exact:
 
 
 def rows(scene: Scene, paths: Sequence[str], of_numbers: float | None = None) -> Iterator[Row]:
-    """Yield a row for each figure and path of a scene, with differences over a step of numbers (None: the usual one)."""
+    """Yield a row for each figure and path of a scene, with differences over a step of numbers (None: as usual)."""
     exact = Exact(scene)
     usual = STEP_OF_ONE if exact.problem.composition.chambers == 1 else STEP
     of_numbers = usual if of_numbers is None else of_numbers
