@@ -10,7 +10,7 @@ all other speeds are predicted. The source gives no uncertainty: half of what th
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 from pathlib import Path
@@ -22,7 +22,7 @@ from screwsim.study.validation import read_table
 HERE = Path(__file__).parent
 FLUID, ZERO = "R134a", 273.15
 FITTED_MODEL, FITTED = "HSK7451-50", ("5/35", "0/45", "-10/50")
-NOMINAL, RATED = 2950.0, 2900.0  # [rpm] at 50 Hz: taken here, and at which the displacement is given
+NOMINAL, RATED = 2950.0, 2900.0  # [rpm] at 50 Hz: taken here, and at which the displacement is given; two poles
 LAMBDA, ETA = 0.017, 0.03  # asked for: half of 2900 to 3000 rpm; as in validation/bitzer
 COMMENT = "# Made by validation/hsk/ratings.py from points.csv; uncertainty: half of what is asked.\n"
 HEAD = (
@@ -46,7 +46,7 @@ class Rating:
     electrical_isentropic_efficiency: float
 
 
-def rating(row: Mapping[str, str]) -> Rating:
+def rating(row: Mapping[str, str], poles: int = 2) -> Rating:
     """Return a row of points.csv: the mass flow is the capacity over the rise of enthalpy from saturated liquid."""
     T_e, T_c = (float(row[f"{name}_degC"]) + ZERO for name in ("evaporating", "condensing"))
     superheat, frequency = float(row["superheat_K"]), float(row["frequency_Hz"])
@@ -64,7 +64,7 @@ def rating(row: Mapping[str, str]) -> Rating:
             "operation.condensing_temperature": T_c,
             "operation.superheat": superheat,
             "operation.subcooling": 0.0,
-            "operation.speed": NOMINAL * frequency / 50.0 * pi / 30.0,
+            "operation.speed": NOMINAL * 2 / poles * frequency / 50.0 * pi / 30.0,
         },
         high / low,
         mdot / (rho * swept),
@@ -72,28 +72,28 @@ def rating(row: Mapping[str, str]) -> Rating:
     )
 
 
-def ratings(here: Path) -> list[Rating]:
-    """Return all ratings."""
-    return [rating(row) for row in read_table(here / "points.csv")]
+def ratings(here: Path, poles: int = 2) -> list[Rating]:
+    """Return all ratings of a folder."""
+    return [rating(row, poles) for row in read_table(here / "points.csv")]
 
 
-def main() -> None:
-    """Write fit.csv."""
-    target = HERE / "fit.csv"
+def write_fit(here: Path, own: Sequence[Rating], fitted: Sequence[str], comment: str) -> None:
+    """Write the ratings at 50 Hz as points for `screwsim calibrate`: the fitted ones, and others to check."""
+    target = here / "fit.csv"
     with target.open("w", encoding="utf-8", newline="") as stream:
-        stream.write(COMMENT + HEAD + "\n")
+        stream.write(comment + HEAD + "\n")
         writer = csv.writer(stream, lineterminator="\n")
-        for one in ratings(HERE):
-            if one.model != FITTED_MODEL or one.frequency != 50.0:
+        for one in own:
+            if one.frequency != 50.0:
                 continue
             shown = (
                 (100.0 * one.volumetric_efficiency, 50.0 * LAMBDA),
                 (100.0 * one.electrical_isentropic_efficiency, 50.0 * ETA),
             )
             cells = [text for value, half in shown for text in (f"{value:.2f}", f"{half:g}")]
-            writer.writerow([one.name, "fit" if one.name in FITTED else "check", *one.name.split("/"), *cells])
+            writer.writerow([one.name, "fit" if one.name in fitted else "check", *one.name.split("/"), *cells])
     print(target)
 
 
 if __name__ == "__main__":
-    main()
+    write_fit(HERE, [one for one in ratings(HERE) if one.model == FITTED_MODEL], FITTED, COMMENT)
