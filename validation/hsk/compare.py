@@ -123,7 +123,7 @@ def changes(name: str, points: Sequence[Found], condition: str = AT) -> Iterator
 
 
 def fit_rows(here: Path, points: Sequence[Found], fitted: Sequence[str], condition: str = AT) -> Iterator[Row]:
-    """Yield the points of the fit, what it predicts elsewhere at 50 Hz and at each other speed, and its parameters."""
+    """Yield the points of the fit, what it predicts elsewhere at 50 Hz, below and above, and its parameters."""
     mine = [each for each in points if each.rating.frequency == FULL]
     for each in mine:
         if each.rating.name not in fitted:
@@ -135,9 +135,10 @@ def fit_rows(here: Path, points: Sequence[Found], fitted: Sequence[str], conditi
             yield equal(quantity, ours, theirs, limit, "calibrated", unit="%", basis=ASKED[figure], note=note)
     others = [each for each in mine if each.rating.name not in fitted]
     yield from farthest(f"fitted machine, predicted, {FULL:g} Hz", others, FIT, ASKED)
-    for frequency in sorted({each.rating.frequency for each in points} - {FULL}):
-        own = [each for each in points if each.rating.frequency == frequency]
-        yield from farthest(f"fitted machine, predicted, {frequency:g} Hz", own, FIT, ASKED)
+    for slow in (True, False):
+        own = [each for each in points if each.rating.frequency != FULL and (each.rating.frequency < FULL) is slow]
+        at = [each.rating.frequency for each in own]
+        yield from farthest(f"fitted machine, predicted, {min(at):g} to {max(at):g} Hz", own, FIT, ASKED)
     yield from changes("fitted machine, predicted", points, condition)
     yield from parameters(here)
 
