@@ -18,7 +18,7 @@ rated = sibling(Path(__file__).parent / "ratings.py")
 TITLE = "Bitzer HSK screws on R134a: four sizes, three of them from 25 to 75 Hz"
 CITATION = (
     "BITZER Software 7.1.11.4 as kept in bet-lab/TMHP (validation/bitzer_efficiency_pilot, 2026-10-04); HSK8591: "
-    "oemof/tespy, tests/test_components/test_polynomial_compressor.py"
+    "oemof/tespy, the test of its PolynomialCompressor"
 )
 ABOUT = (
     "These are figures of the maker's software, no measurements: mass flow and efficiencies follow from its capacity "
