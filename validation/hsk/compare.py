@@ -17,7 +17,7 @@ rated = sibling(Path(__file__).parent / "ratings.py")
 
 TITLE = "Bitzer HSK screws on R134a: four sizes, three of them from 25 to 75 Hz"
 CITATION = (
-    "BITZER Software 7.1.11.4 as kept in bet-lab/TMHP (validation/bitzer_efficiency_pilot, 2026-10-04); HSK8591: "
+    "BITZER Software 7.1.11.4 as kept in bet-lab/TMHP (bitzer_efficiency_pilot, 2026-10-04); HSK8591: "
     "oemof/tespy, the test of its PolynomialCompressor"
 )
 ABOUT = (

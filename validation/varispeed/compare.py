@@ -10,7 +10,7 @@ from screwsim.study.validation import Comparison, Row, sibling
 points, shown = (sibling(Path(__file__).parents[1] / name) for name in ("varispeed/points.py", "hsk/compare.py"))
 
 TITLE = "A semi-hermetic reciprocating compressor on R134a from 25 to 87 Hz"
-CITATION = "BITZER Software 7.1.11.4, as kept in bet-lab/TMHP (validation/bitzer_efficiency_pilot, 2026-10-04)"
+CITATION = "BITZER Software 7.1.11.4, as kept in bet-lab/TMHP (bitzer_efficiency_pilot, 2026-10-04)"
 ABOUT = (
     "These are figures of the maker's software, no measurements, and called tentative there: mass flow and "
     "efficiencies follow from its capacity and power. 'New' is one of the four cylinders as `screwsim new "
