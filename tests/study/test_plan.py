@@ -15,7 +15,6 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.printing.plan import print_plan
 from screwsim.scene import loads
-from screwsim.study import local
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.fit import Measurement, Point, Prior
 from screwsim.study.calibration.machine import inputs_of, residual_shifts
@@ -30,8 +29,9 @@ from screwsim.study.calibration.plan import (
     typical_uncertainties,
 )
 from screwsim.study.calibration.profile import whitener
-from screwsim.study.local import Sensitivities
-from screwsim.study.uncertain import groups_of
+from screwsim.study.uncertainty import slopes
+from screwsim.study.uncertainty.slopes import Sensitivities
+from screwsim.study.uncertainty.spreads import groups_of
 
 ROOT = Path(__file__).parents[2]
 GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
@@ -235,9 +235,9 @@ def test_all_inputs_of_a_point_are_derived_at_once_and_it_is_solved_once(monkeyp
     result, groups, calls = screwsim.simulate(scene), groups_of(scene), []
     alone = [residual_shifts(scene, point, [group])[0] for group in groups]
     for name in ("scene_derivatives", "simulate"):
-        own = getattr(local, name)
+        own = getattr(slopes, name)
         monkeypatch.setattr(
-            local, name, lambda *of, _own=own, _name=name, **more: calls.append(_name) or _own(*of, **more)
+            slopes, name, lambda *of, _own=own, _name=name, **more: calls.append(_name) or _own(*of, **more)
         )
     together = residual_shifts(scene, point, groups, result)
     assert calls == ["scene_derivatives"]

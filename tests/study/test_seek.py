@@ -13,7 +13,7 @@ import screwsim
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
 from screwsim.scene import loads, value_at, with_values
-from screwsim.study.goals import read_bounds, read_figure, read_goals
+from screwsim.study.asked.goals import read_bounds, read_figure, read_goals
 from screwsim.study.scene_files import write_found
 from screwsim.study.seek import find, find_each, question
 from screwsim.template import new_scene, request_of

@@ -15,11 +15,11 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene import with_values
-from screwsim.study.sensitivity import sensitivity
-from screwsim.study.spans import read_ranges
+from screwsim.study.asked.spans import read_ranges
 from screwsim.study.stages import read_stages, run_stages
-from screwsim.study.stages.local import chain_sensitivities
 from screwsim.study.stages.result import figures_of_both
+from screwsim.study.uncertainty.sobol import sensitivity
+from screwsim.study.uncertainty.stages import chain_sensitivities
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import two_stages

@@ -7,6 +7,7 @@ from typing import Any
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.screen import say
+from screwsim.study.asked.inputs import shown_value, unit_of_change
 from screwsim.study.calibration.diagnosis import Diagnosis
 from screwsim.study.calibration.hypotheses import (
     INTERVAL_LEVEL,
@@ -17,7 +18,6 @@ from screwsim.study.calibration.hypotheses import (
     Hypothesis,
 )
 from screwsim.study.calibration.identifiability import BOUND_DISTANCE
-from screwsim.study.inputs import shown_value, unit_of_change
 
 NOTHING_CHANGED = "nothing changed"
 ANY_VALUE = "any"  # value of a parameter about which the points say almost nothing

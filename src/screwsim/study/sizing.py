@@ -12,7 +12,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
-from screwsim.study.inputs import shown_figure
+from screwsim.study.asked.inputs import shown_figure
 from screwsim.template import SceneRequest, kind_of, new_scene
 from screwsim.template.gas import INVERTER_LOSS_SHARE
 from screwsim.template.sizes import flow_text, rounded_flow, rpm

@@ -37,9 +37,9 @@ from screwsim.study.calibration.profile import (
     whitener,
 )
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
-from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import Progress
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.workers import WORKER_DIED
 
 PRIOR_UNCHANGED = 0.5  # prior probability that nothing changed; the others share the rest
 PRIOR_PAIR_ODDS = 0.1  # prior odds of two changes at once against one

@@ -15,7 +15,7 @@ from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.identifiability import active_bounds
 from screwsim.study.calibration.machine import Group, residual_shifts
 from screwsim.study.calibration.residuals import Array, Residuals
-from screwsim.study.uncertain import groups_of
+from screwsim.study.uncertainty.spreads import groups_of
 
 
 class InputShift(NamedTuple):

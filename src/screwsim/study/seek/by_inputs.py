@@ -15,9 +15,9 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene
-from screwsim.study.local import sensitivities
-from screwsim.study.uncertain import FigureUncertainty, Tolerances, spreads_of, tolerances_of
-from screwsim.study.varied import Varied
+from screwsim.study.asked.varied import Varied
+from screwsim.study.uncertainty.point import sensitivities
+from screwsim.study.uncertainty.spreads import FigureUncertainty, Tolerances, spreads_of, tolerances_of
 
 LARGEST_CONDITION = 1e12  # of the slopes of figures, each times its value over theirs: beyond it the goals contradict
 

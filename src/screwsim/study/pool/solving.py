@@ -1,0 +1,53 @@
+"""Points of a study, of a machine or of two stages, solved without traces: what does not fit together has failed."""
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+from screwsim.figures.errors import error_in_unit
+from screwsim.inputs.faults import UsageError, in_one_line
+from screwsim.outputs import Result
+from screwsim.scene import Scene
+from screwsim.study.asked.varied import Varied, accuracy_of, faults_of, solved, with_values
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.workers import WORKER_DIED
+
+Simulate = Callable[[Any], Result]  # of a scene, or of two in series
+
+
+def simulator(warm: Scene | None = None) -> Simulate:
+    """Return a function that simulates without traces; `warm` is compiled before the fork for workers to inherit."""
+    from screwsim.simulate import simulate, warm_up
+
+    if warm is not None:
+        warm_up(warm)
+    return partial(simulate, trace=False)
+
+
+def simulated_if_valid(scene: Varied, simulate: Simulate) -> Result:
+    """Return the result of a scene; one whose values do not fit together has failed."""
+    faults = faults_of(scene)
+    if faults:
+        return Result("failed", message="; ".join(map(str, faults)))
+    try:
+        return simulate(scene)
+    except (UsageError, ArithmeticError, ValueError) as error:
+        return Result("failed", message=in_one_line(error))
+
+
+def results_at(
+    of: Varied, points: Sequence[Mapping[str, Any]], *, jobs: int | None = None, progress: Progress | None = None
+) -> list[Result]:
+    """Return the results, without traces, of a scene or two stages with the values [SI] of each point, by workers."""
+    call, dead = partial(_result_at, of, points), Result("failed", WORKER_DIED)
+    return parallel_map(call, len(points), died=lambda number: dead, jobs=jobs, progress=progress)
+
+
+def _result_at(of: Varied, points: Sequence[Mapping[str, Any]], number: int) -> Result:
+    return simulated_if_valid(with_values(of, points[number]), simulator() if isinstance(of, Scene) else solved)
+
+
+def absolute_error(result: Result, name: str, scene: Varied) -> float:
+    """Return the estimated error of a figure in its own unit; from the wanted accuracy where nothing is estimated."""
+    return error_in_unit(name, result.performance, result.error, accuracy_of(scene)) or 0.0
