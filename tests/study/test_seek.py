@@ -11,9 +11,10 @@ from seek_fakes import RPM, edged, figures_of, leaping, saturating, torn, turnin
 
 import screwsim
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import Figures
+from screwsim.outputs import Figures, Result
 from screwsim.scene import loads, value_at, with_values
 from screwsim.study.goals import read_bounds, read_figure, read_goals
+from screwsim.study.local import Sensitivities
 from screwsim.study.scene_files import write_found
 from screwsim.study.seek import find, find_each, question
 from screwsim.template import new_scene, request_of
@@ -334,6 +335,20 @@ def test_the_uncertainty_of_a_value_by_tolerances_is_that_of_other_searches():
                 ends.append(sought(off).values[path])
             assert each.change == pytest.approx(2.0 * (ends[0] - ends[1]), rel=0.02)
     assert set(found.by_inputs) == set(found.values)
+
+
+def test_an_input_without_a_derivative_is_left_out_of_what_the_others_do_and_named(monkeypatch):
+    """No input had a part in it then."""
+    gap, ratio = "effects.tip_leakage.gap", "oil_supply.ratio"
+    tolerant = scene().with_({gap: "50 um ± 10 um", ratio: "3 ± 10 %"})
+    slopes = {"gas_mass_flow": {SPEED: 1e-3, gap: -2e3}}
+    known = Sensitivities(Result("ok"), {SPEED: 100.0, gap: 50e-6}, derivatives=slopes, left_out={ratio: "too hot"})
+    performance = Figures(gas_mass_flow=1.2)
+    known = replace(known, result=Result("ok", performance=performance))
+    monkeypatch.setattr("screwsim.study.uncertain.sensitivities", lambda *asked, **more: known)
+    found = find(tolerant, [RANGE], ["gas_mass_flow=1.2 kg/s"], simulate=saturating)
+    assert found.by_inputs[SPEED].standard == pytest.approx(2e3 * 5e-6 / 1e-3)
+    assert found.message == f"the tolerance of {ratio} is not included in the uncertainties: too hot"
 
 
 def test_without_tolerances_of_others_a_value_has_none_by_them():

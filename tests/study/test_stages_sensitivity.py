@@ -15,9 +15,11 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene import with_values
+from screwsim.study.measured import compare_measured, read_measured
+from screwsim.study.seek.by_inputs import uncertainties_by_inputs
 from screwsim.study.sensitivity import sensitivity
 from screwsim.study.spans import read_ranges
-from screwsim.study.stages import read_stages, run_stages
+from screwsim.study.stages import read_stages, run_stages, solve
 from screwsim.study.stages.local import chain_sensitivities
 from screwsim.study.stages.result import figures_of_both
 
@@ -128,6 +130,23 @@ def test_what_a_study_of_two_stages_has_not_is_one_line(plant, tmp_path, monkeyp
     assert exit_code(["sensitivity", str(plant()), *words]) == 2
     error = capsys.readouterr().err
     assert told in error and error.count("\n") == 1
+
+
+@pytest.mark.around
+def test_a_known_solution_of_both_is_not_solved_again(plant, monkeypatch):
+    """`find` and `run --measured` solved it twice."""
+    path = plant(intercooler=COOLED | {"outlet_temperature": "288 K ± 3 K"})
+    solution = run_stages(read_stages(path)).as_result()
+    found = screwsim.sensitivities(path, [SECOND], ["shaft_power"], fine=False)
+    monkeypatch.setattr(solve, "_run", lambda *asked: pytest.fail("solved again"))
+    known = screwsim.sensitivities(path, [SECOND], ["shaft_power"], result=solution, fine=False)
+    assert known.derivatives["shaft_power"] == pytest.approx(found.derivatives["shaft_power"], rel=1e-9)
+    assert screwsim.uncertainty(path, result=solution).spreads["shaft_power"].standard > 0.0
+    by_inputs, why = uncertainties_by_inputs(read_stages(path), solution, {SECOND: 1300.0 * RPM}, ["shaft_power"])
+    assert by_inputs[SECOND].standard > 0.0 and why == ""
+    measured = read_measured(read_stages(path), [f"shaft_power={0.9 * solution.performance.shaft_power} W ± 1 %"])
+    monkeypatch.setattr("screwsim.study.measured._solved", lambda *asked: ([], {}))
+    assert compare_measured(read_stages(path), solution, measured).why == ""
 
 
 def test_a_result_of_one_machine_is_none_of_two(plant):

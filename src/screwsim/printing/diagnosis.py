@@ -18,6 +18,7 @@ from screwsim.study.calibration.hypotheses import (
 )
 from screwsim.study.calibration.identifiability import BOUND_DISTANCE
 from screwsim.study.inputs import shown_value, unit_of_change
+from screwsim.study.uncertain import not_included
 
 NOTHING_CHANGED = "nothing changed"
 ANY_VALUE = "any"  # value of a parameter about which the points say almost nothing
@@ -37,6 +38,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "not_told_apart": [each._asdict() for each in found.alike],
         **picked(found, told_next_to_nothing_of="untold", probability_of_a_misfit_as_large="chance"),
         **picked(found, uncertain_inputs="inputs", points_without_solution="reasons"),
+        "left_out": dict(found.left_out),
         **picked(found, "solutions", failed_solutions="failed"),
     }
 
@@ -137,6 +139,7 @@ def _findings(found: Diagnosis) -> Iterator[str]:
         )
     beside = f"; {', '.join(found.inputs)} known to within their tolerances and priors" if found.inputs else ""
     yield f"misfit: chi squared at the best estimate of each{beside}"
+    yield from (f"warning: {text}" for text in not_included(found.left_out))
     if any(hypothesis.linear for hypothesis in found.hypotheses):
         yield "* from the slopes of the unchanged machine only (improbable, or no other solution was found)"
 

@@ -116,7 +116,7 @@ def sensitivities(
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all of the scene).
 
     Two stages are given by the path of their file: the figures are those of both together, found in one process
-    (`jobs`, `progress` are for one machine). Pass a scene's `result` if it is known already. With fine=False
+    (`jobs`, `progress` are for one machine). Pass the `result` if it is known already. With fine=False
     derivatives are good to 1e-3 instead of 1e-5 and cost less (docs/explanation/derivatives.md). Raises UsageError
     for a path or a figure that does not exist, and for a result of another scene.
     """
@@ -124,11 +124,11 @@ def sensitivities(
 
     given = scene_or_stages(scene)
     if not isinstance(given, Scene):
+        from screwsim.study.stages import solution_of
         from screwsim.study.stages.local import chain_sensitivities
 
-        if result is not None:
-            raise UsageError("result: belongs to one machine, and here are two stages (leave it out)")
-        return chain_sensitivities(given, as_list(paths), as_list(figures), fine)
+        known = None if result is None else solution_of(result)
+        return chain_sensitivities(given, as_list(paths), as_list(figures), fine, known)
     scene = given
     if result is not None and (other := _other_scene(scene, result)):
         raise UsageError(f"result: belongs to another scene: {other} (pass that of this scene, or none)")

@@ -18,6 +18,7 @@ from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, SceneLike
 from screwsim.scene.model_errors import CONDITION_WORDS, RATIO, SPEED, shown_condition, stored_model_errors
 from screwsim.scene.types import COVERAGE, Tolerance
+from screwsim.simulate import simulate
 from screwsim.study.inputs import shown_figure
 from screwsim.study.local import Sensitivities, numeric_paths, sensitivities
 from screwsim.study.progress import Progress
@@ -53,6 +54,7 @@ class Contributor(NamedTuple):
     change: float
 
 
+NOT_STATED = "it is not stated here"
 NO_TOLERANCE = "no input has a tolerance (write one after its value, e.g. gap: 27 um ± 5 um)"
 
 
@@ -130,31 +132,56 @@ def uncertainty(
     Two stages are given by the path of their file: the figures are those of both together, found in one process
     (`jobs`, `progress` are for one machine). Raises UsageError if no tolerance is stated.
     """
-    from screwsim.study.stages import run_stages, scene_or_stages
+    from screwsim.study.stages import run_stages, scene_or_stages, solution_of
 
     given = scene_or_stages(scene)
     if not isinstance(given, Scene):
         from screwsim.study.stages.uncertain import chain_uncertainty
 
-        if result is not None:
-            raise UsageError("result: belongs to one machine, and here are two stages (leave it out)")
-        solution = run_stages(given)
+        solution = run_stages(given) if result is None else solution_of(result)
         if solution.status != "ok":
             return Uncertainty({}, Sensitivities(solution.as_result()))
         return chain_uncertainty(given, solution)[0]
     scene = given
     if not scene.uncertain:
         raise UsageError(NO_TOLERANCE)
-    numbers, why = numeric_paths(scene)
-    paths = [path for path in scene.uncertain if path in numbers]
-    if not paths:
-        names = ", ".join(scene.uncertain)
-        raise UsageError(f"all inputs with a tolerance follow from others here: {names} (write tolerances of those)")
-    found = sensitivities(scene, paths, jobs=jobs, progress=progress, result=result, fine=False)
+    found = slopes_by_inputs(scene, list(scene.uncertain), jobs=jobs, progress=progress, result=result)
     spreads = spreads_of(scene, found.values, found.derivatives)
-    why = {**why, **found.left_out}
-    left_out = {path: why.get(path, "it is not stated") for path in scene.uncertain if path not in found.values}
-    return Uncertainty(spreads, found, groups_of(scene), left_out if found.derivatives else {})
+    return Uncertainty(spreads, found, groups_of(scene), found.left_out if found.result.status == "ok" else {})
+
+
+def slopes_by_inputs(
+    of: Varied,
+    paths: Sequence[str],
+    figures: Sequence[str] = (),
+    *,
+    result: Result | None = None,
+    jobs: int | None = 1,
+    progress: Progress | bool | None = False,
+) -> Sensitivities:
+    """Return the derivatives of figures (default: all) by inputs with a tolerance, of a scene or two stages.
+
+    `left_out` names every input that has no derivative of one of the `figures` there, and why: it has no part in an
+    uncertainty, and `not_included` says so.
+    """
+    numbers, why = numeric_paths(of) if isinstance(of, Scene) else (paths, {})
+    there = [path for path in paths if path in numbers]
+    if there or not isinstance(of, Scene):
+        found = sensitivities(of, there, figures, jobs=jobs, progress=progress, result=result, fine=False)
+    else:  # no path would mean all
+        found = Sensitivities(simulate(of, trace=False) if result is None else result)
+    why, otherwise = {**why, **found.left_out}, found.result.told if found.result.status != "ok" else NOT_STATED
+    lost = {path: why.get(path, otherwise) for path in paths if path not in found.values}
+    for path in found.values:
+        if lacking := [name for name in figures if path not in found.derivatives.get(name, (path,))]:
+            lost[path] = f"{lacking[0]} has no derivative by it"
+    return replace(found, values={path: by for path, by in found.values.items() if path not in lost}, left_out=lost)
+
+
+def not_included(left_out: Mapping[str, str]) -> Iterator[str]:
+    """Yield that the tolerance of each input without a derivative has no part in the uncertainties, and why."""
+    for path, why in left_out.items():
+        yield f"the tolerance of {path} is not included in the uncertainties: {why}"
 
 
 def spreads_of(
@@ -186,14 +213,9 @@ def with_uncertainty(scene: Scene, result: Result) -> Result:
     told = {"model": model_error(scene, result.performance)} if scene.model_error else {}
     if not scene.uncertain:
         return replace(result, uncertainty=told)
-    try:
-        found = uncertainty(scene, result=result, progress=False)
-    except UsageError as error:  # a case of a sweep whose axis makes an input follow from others
-        warning = f"no uncertainty from the inputs: {error}"
-        return replace(result, uncertainty=told, warnings=(*result.warnings, warning))
-    no = "is not included in the uncertainties"
-    lost = (f"the tolerance of {path} {no}: {why}" for path, why in found.left_out.items())
-    return replace(result, uncertainty={**found.as_json(), **told}, warnings=(*result.warnings, *lost))
+    found = uncertainty(scene, result=result, progress=False)
+    warnings = (*result.warnings, *not_included(found.left_out))
+    return replace(result, uncertainty={**found.as_json(), **told}, warnings=warnings)
 
 
 def conditions_of(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:

@@ -20,20 +20,26 @@ from screwsim.study.stages.uncertain import ChainDerivatives, linear_chain
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
+    from screwsim.study.stages.result import ChainResult
 
 STEP = 1e-4  # of a number; of the pressure between both for a pressure drop of zero; of the unit for another zero
 
 
 def chain_sensitivities(
-    chain: StageChain, paths: Sequence[str] = (), figures: Sequence[str] = (), fine: bool = True
+    chain: StageChain,
+    paths: Sequence[str] = (),
+    figures: Sequence[str] = (),
+    fine: bool = True,
+    found: ChainResult | None = None,
 ) -> Sensitivities:
     """Return the derivatives of figures of both together (default: all) by numbers (default: all of both scenes).
 
-    Raises UsageError for a path or a figure that does not exist, and where a stage has no derivatives by its lines.
+    `found` is the solution, where it is known. Raises UsageError for a path or a figure that does not exist, and where
+    a stage has no derivatives by its lines.
     """
     names = [figure_of(chain, name) for name in figures]
     values = requested_numbers(chain, paths, dict(_numbers(chain)))
-    found = run_stages(chain)
+    found = found or run_stages(chain)
     result = found.as_result()
     if found.status != "ok":
         return Sensitivities(result)

@@ -27,7 +27,15 @@ from screwsim.study.local import Sensitivities, sensitivities
 from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.figures import StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.solve import ChainSolver, Stop
-from screwsim.study.uncertain import NO_TOLERANCE, Tolerances, Uncertainty, groups_of, spreads_of, tolerances_of
+from screwsim.study.uncertain import (
+    NO_TOLERANCE,
+    Tolerances,
+    Uncertainty,
+    groups_of,
+    not_included,
+    spreads_of,
+    tolerances_of,
+)
 
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
@@ -56,10 +64,8 @@ def with_uncertainty(chain: StageChain, found: ChainResult) -> ChainResult:
         replace(each, uncertainty=slopes.uncertainty(each, own, tolerances).as_json())
         for each, own in zip(found.stages, slopes.stages, strict=True)
     )
-    lost = (
-        f"the tolerance of {path} is not included in the uncertainties: {why}" for path, why in told.left_out.items()
-    )
-    return replace(found, uncertainty=told.as_json(), stages=stages, warnings=(*found.warnings, *lost))
+    warnings = (*found.warnings, *not_included(told.left_out))
+    return replace(found, uncertainty=told.as_json(), stages=stages, warnings=warnings)
 
 
 def chain_uncertainty(chain: StageChain, found: ChainResult) -> tuple[Uncertainty, ChainDerivatives]:
