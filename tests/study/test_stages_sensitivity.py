@@ -100,6 +100,16 @@ def test_indices_share_the_variance_between_inputs_of_both_stages(plant):
     assert {each.path: each.total for each in shares.indices} == pytest.approx({FIRST: 0.9, SECOND: 0.1}, abs=0.01)
 
 
+def test_the_derivative_by_a_pressure_drop_of_zero_is_that_beside_it(plant):
+    """Tolerance: the drop beside it is 3e-4 of the pressure between both."""
+    drop, slopes = "intercooler.pressure_drop", []
+    for stated in ("0 bar", "1 mbar"):
+        chain = read_stages(plant(intercooler=COOLED | {"pressure_drop": stated}))
+        slopes.append(chain_sensitivities(chain, [drop], COMPARED, fine=False).derivatives)
+    for name in COMPARED:
+        assert slopes[0][name][drop] == pytest.approx(slopes[1][name][drop], rel=3e-3), name
+
+
 @pytest.mark.around
 def test_a_solution_of_both_is_a_sample(plant, capsys):
     words = ["sensitivity", str(plant()), "--path", f"{SECOND}=1250 rpm..1350 rpm", "--samples", "2", "--jobs", "1"]
