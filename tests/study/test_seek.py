@@ -215,6 +215,12 @@ def test_no_size_meets_a_goal_of_a_figure_that_the_size_does_nothing_to(flow):
         ),
         ([RANGE], ["peak_pressure=100 psia"], "--for peak_pressure=100 psia: unit 'psia' is not known (write psi)"),
         ([RANGE], ["displacement_flow=9 CFM"], "--for displacement_flow=9 CFM: unit 'CFM' is not known (write ft^"),
+        (
+            [RANGE],
+            ["displacement_flow=9 scfm"],
+            "--for displacement_flow=9 scfm: unit 'scfm' counts gas at a standard state",
+        ),
+        ([RANGE], ["shaft_power=9 MMBtu/h"], "--for shaft_power=9 MMBtu/h: unit 'MMBtu/h' is in a million Btu"),
         ([RANGE], ["shaft_power=9 HP"], "--for shaft_power=9 HP: unit 'HP' is not known (write hp)"),
         ([RANGE], ["gas_mass_flow"], "--for gas_mass_flow: is not FIGURE=VALUE (write e.g. --for 'cooling_capacity="),
         ([RANGE], ["gas ma flow=1 kg/s"], "--for gas ma flow: is not known; did you mean 'gas_mass_flow'?"),
@@ -249,6 +255,7 @@ def test_a_wrong_question_is_refused_in_one_line(vary, goals, message):
         ("specific_power", "6.5 kW/(m3/min)", 6.5 * 60e3),  # 1 kW/(m³/min) = 1000 W/(1 m³/60 s)
         ("specific_power", "6.5 kW/(m³/min)", 6.5 * 60e3),
         ("shaft_power", "100 hp", 100.0 * 550.0 * 0.3048 * 0.45359237 * 9.80665),  # 550 ft lbf/s
+        ("gas_mass_flow", "30 lb/min", 30.0 * 0.45359237 / 60.0),
         ("displacement_flow", "700 ft^3/min", 700.0 * 0.3048**3 / 60.0),
         ("peak_pressure", "100 psi", 100.0 * 0.45359237 * 9.80665 / 0.0254**2),
         ("discharge_temperature", "194 degF", 363.15),

@@ -17,7 +17,7 @@ from screwsim.study.calibration.hypotheses import (
     Hypothesis,
 )
 from screwsim.study.calibration.identifiability import BOUND_DISTANCE
-from screwsim.study.inputs import shown_value, unit_of_change
+from screwsim.study.inputs import CELSIUS, in_customary, shown_number, shown_value, unit_of_change
 from screwsim.study.uncertain import not_included
 
 NOTHING_CHANGED = "nothing changed"
@@ -80,10 +80,19 @@ def _rows(found: Diagnosis, each: Hypothesis) -> Iterator[list[str]]:
         per, unit = unit_of_change(found.fit.scene, change.path, change.value)
         low, high = (f"{per * by:+.2g}" for by in (change.low, change.high))
         probability, misfit = ("", "") if number else beside
-        sizes = [f"{per * change.change:+.3g}", f"{low} … {high}", f"{per * change.value:.4g}", unit]
+        value, own = _value(found, change.path, change.value)
+        sizes = [f"{per * change.change:+.3g}", f"{low} … {high}", value, own]
         if change.path in found.untold:
             sizes = [ANY_VALUE, f"{low} … {high}", "", unit]
         yield [name + mark, probability, *sizes, misfit]
+
+
+def _value(found: Diagnosis, path: str, value: float) -> tuple[str, str]:
+    """Return a value [SI] of a path in the unit of its changes, and that unit; a temperature in °C."""
+    if in_customary(found.fit.scene, path, value)[1] == CELSIUS:
+        return shown_number(found.fit.scene, path, value), CELSIUS
+    per, unit = unit_of_change(found.fit.scene, path, value)
+    return f"{per * value:.4g}", unit
 
 
 def _amount(found: Diagnosis, change: Change) -> str:
@@ -170,6 +179,5 @@ def _other_values(found: Diagnosis) -> Iterator[str]:
     """Yield the other values of a parameter that fit nearly as well as its best."""
     for hypothesis in found.hypotheses:
         if hypothesis.also and hypothesis.probability > LIKELY_PROBABILITY and hypothesis.path not in found.untold:
-            per, unit = unit_of_change(found.fit.scene, hypothesis.path, hypothesis.changes[0].value)
-            values = ", ".join(f"{per * value:.4g} {unit}".strip() for value in hypothesis.also)
+            values = ", ".join(" ".join(_value(found, hypothesis.path, each)).strip() for each in hypothesis.also)
             yield f"{hypothesis.path} = {values} fits nearly as well as its best value"

@@ -71,11 +71,12 @@ def unit_behind(text: str) -> str:
 
 
 def check_fit(scene: Varied, values: dict[str, Any], where: str) -> None:
-    """Raise UsageError with the first fault when values do not fit into a scene."""
+    """Raise UsageError with the first fault when values do not fit into a scene, behind `where` if they cause it."""
     faults = faults_of(with_values(scene, values))
     if faults:
         text = str(faults[0])
-        raise UsageError(text if text.startswith(f"{where}: ") else f"{where}: {text}")
+        theirs = not text.startswith(f"{where}: ") and text not in map(str, faults_of(scene))
+        raise UsageError(f"{where}: {text}" if theirs else text)
 
 
 def shown_figure(name: str, value: float) -> str:
