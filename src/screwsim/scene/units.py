@@ -237,7 +237,9 @@ def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
     if kind.name == "speed" and unit.lower() in ("hz", "khz", "1/s", "s^-1", "1/min", "min^-1"):
         raise Refused(f"{shown} is ambiguous: turns or radians (write rpm, rev/s or rad/s, e.g. '{kind.example}')")
     if kind.si == "m^3/s" and _STANDARD_FLOW.fullmatch(_tight(unit).lower()):
-        raise Refused(f"{shown} counts gas at a standard state (write the flow at its own state, e.g. '{kind.example}')")
+        raise Refused(
+            f"{shown} counts gas at a standard state (write the flow at its own state, e.g. '{kind.example}')"
+        )
     if kind.si == "W" and unit.lower().startswith("mmbtu"):
         raise Refused(f"{shown} is in a million Btu (write 1000 kBtu/h for each MMBtu/h, or e.g. '{kind.example}')")
     if kind.si == "W" and unit.lower().startswith("mbtu"):

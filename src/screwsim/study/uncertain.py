@@ -34,13 +34,17 @@ class Tolerances(NamedTuple):
     correlated: tuple[tuple[str, ...], ...]
 
 
-def tolerances_of(of: Varied) -> Tolerances:
-    """Return the tolerances of a scene's inputs, or of those of two stages, their stage before the path."""
+def tolerances_of(of: Varied, without: Sequence[str] = ()) -> Tolerances:
+    """Return the tolerances of the inputs of a scene, or of two stages, `without` those of some paths."""
     if isinstance(of, Scene):
-        return Tolerances(of.uncertain, of.correlated)
-    from screwsim.study.stages.tolerances import stage_tolerances
+        uncertain, correlated = of.uncertain, of.correlated
+    else:
+        from screwsim.study.stages.tolerances import stage_tolerances
 
-    return Tolerances(*stage_tolerances(of))
+        uncertain, correlated = stage_tolerances(of)
+    groups = (tuple(path for path in group if path not in without) for group in correlated)
+    kept = {path: tolerance for path, tolerance in uncertain.items() if path not in without}
+    return Tolerances(kept, tuple(group for group in groups if len(group) > 1))
 
 
 class Contributor(NamedTuple):
@@ -176,6 +180,24 @@ def slopes_by_inputs(
         if lacking := [name for name in figures if path not in found.derivatives.get(name, (path,))]:
             lost[path] = f"{lacking[0]} has no derivative by it"
     return replace(found, values={path: by for path, by in found.values.items() if path not in lost}, left_out=lost)
+
+
+def figures_by_inputs(
+    of: Varied, result: Result, figures: Sequence[str], without: Sequence[str]
+) -> tuple[dict[str, FigureUncertainty], str]:
+    """Return the uncertainties of figures of a result by all inputs `without` some; what has no part, or why none is.
+
+    Both are empty where no such input has a tolerance.
+    """
+    tolerances = tolerances_of(of, without)
+    if not tolerances.uncertain:
+        return {}, ""
+    try:
+        found = slopes_by_inputs(of, list(tolerances.uncertain), figures, result=result)
+    except UsageError as error:
+        return {}, f"no uncertainty from the inputs: {error}"
+    spreads = spreads_of(tolerances, found.values, found.derivatives)
+    return spreads, "; ".join(not_included(found.left_out))
 
 
 def not_included(left_out: Mapping[str, str]) -> Iterator[str]:

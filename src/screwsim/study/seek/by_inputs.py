@@ -13,25 +13,10 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.study.uncertain import (
-    FigureUncertainty,
-    Tolerances,
-    not_included,
-    slopes_by_inputs,
-    spreads_of,
-    tolerances_of,
-)
+from screwsim.study.uncertain import FigureUncertainty, not_included, slopes_by_inputs, spreads_of, tolerances_of
 from screwsim.study.varied import Varied
 
 LARGEST_CONDITION = 1e12  # of the slopes of figures, each times its value over theirs: beyond it the goals contradict
-
-
-def other_tolerances(of: Varied, sought: Sequence[str]) -> Tolerances:
-    """Return the tolerances of a scene or two stages without those of the paths that are sought."""
-    every = tolerances_of(of)
-    groups = (tuple(path for path in group if path not in sought) for group in every.correlated)
-    kept = {path: tolerance for path, tolerance in every.uncertain.items() if path not in sought}
-    return Tolerances(kept, tuple(group for group in groups if len(group) > 1))
 
 
 def uncertainties_by_inputs(
@@ -41,7 +26,7 @@ def uncertainties_by_inputs(
 
     It is also told which inputs have no part in it. Both are empty where no other input has a tolerance.
     """
-    tolerances, sought = other_tolerances(of, list(values)), list(values)
+    tolerances, sought = tolerances_of(of, list(values)), list(values)
     inputs = list(tolerances.uncertain)
     if not inputs:
         return {}, ""
