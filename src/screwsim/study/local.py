@@ -27,8 +27,8 @@ from screwsim.simulate import simulate as simulated
 from screwsim.study import varied
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import DISCRETE_KINDS, check_continuous, shown_value
-from screwsim.study.optimum import results_at
 from screwsim.study.progress import Progress, progress_of
+from screwsim.study.solving import results_at
 from screwsim.study.varied import Varied
 
 DIFFERENCE_STEP = 5e-3  # relative step of a number for differences of closed cycles ...

@@ -27,7 +27,7 @@ from screwsim.study.figures import figure_of
 from screwsim.study.goals import of_ambient, read_figure, refuse_twice
 from screwsim.study.inputs import unit_behind
 from screwsim.study.local import Sensitivities, sensitivities
-from screwsim.study.optimum import results_at
+from screwsim.study.solving import results_at
 from screwsim.study.uncertain import tolerances_of
 from screwsim.study.varied import Varied, faults_of, leaf_of, with_values
 

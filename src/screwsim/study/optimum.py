@@ -1,13 +1,12 @@
 """Best value of one path for each point of the scene's other axes: searched for, not read off a grid."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
-from screwsim.figures.errors import error_in_unit
-from screwsim.inputs.faults import UsageError, in_one_line
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case_count, case_values
 from screwsim.scene.grid import with_sweep_over
@@ -16,16 +15,15 @@ from screwsim.study.inputs import check_continuous, check_fit, ends_of, read_tex
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
 from screwsim.study.search import COARSE_POINTS, Maximum, SearchPoint, find_maximum
+from screwsim.study.solving import Simulate, absolute_error, simulated_if_valid, simulator
 from screwsim.study.spans import LOWER, UPPER, Span, refusal_beyond
-from screwsim.study.varied import Varied, accuracy_of, case, faults_of, solved, with_accuracy, with_values
+from screwsim.study.varied import Varied, accuracy_of, case, with_accuracy, with_values
 from screwsim.study.workers import WORKER_DIED
 
 OIL_RATIO, OIL_RANGE = "oil_supply.ratio", (0.1, 10.0)  # range where nothing states one
 INSENSITIVE_SHARE = 0.9  # of the range: where the figure is the same over more than this, the path hardly affects it
 WANTED_CERTAINTY = 0.01  # of the range: wanted certainty of the place, each way
 TIGHTER, TIGHTEST = 0.1, 1e-6  # of numerics.accuracy, and least accuracy, where errors leave the place less certain
-
-Simulate = Callable[[Any], Result]  # of a scene, or of two in series
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,9 +134,7 @@ def optimum(
     middle = {asked.path: asked.value_at(0.5 * (asked.coordinate(asked.low) + asked.coordinate(asked.high)))}
     check_fit(case(rest, 0), middle, asked.path)
     count = case_count(rest)
-    if simulate is None:
-        first = with_values(case(rest, 0), middle)
-        simulate = simulator(first if count > 1 else None) if isinstance(first, Scene) else solved
+    simulate = simulate or simulator(with_values(case(rest, 0), middle) if count > 1 else None)
     return parallel_map(
         partial(_best, rest, asked, simulate),
         count,
@@ -146,15 +142,6 @@ def optimum(
         jobs=jobs,
         progress=progress,
     )
-
-
-def simulator(warm: Scene | None = None) -> Simulate:
-    """Return a function that simulates without traces; `warm` is compiled before the fork for workers to inherit."""
-    from screwsim.simulate import simulate, warm_up
-
-    if warm is not None:
-        warm_up(warm)
-    return partial(simulate, trace=False)
 
 
 def _best(rest: Varied, asked: Question, simulate: Simulate, number: int) -> Best:
@@ -216,34 +203,6 @@ class _Trials:
         finer = None if accuracy <= TIGHTEST else with_accuracy(self.scene, max(TIGHTER * accuracy, TIGHTEST))
         self.scene = finer or self.scene
         return finer is not None
-
-
-def simulated_if_valid(scene: Varied, simulate: Simulate) -> Result:
-    """Return the result of a scene; one whose values do not fit together has failed."""
-    faults = faults_of(scene)
-    if faults:
-        return Result("failed", message="; ".join(map(str, faults)))
-    try:
-        return simulate(scene)
-    except (UsageError, ArithmeticError, ValueError) as error:
-        return Result("failed", message=in_one_line(error))
-
-
-def results_at(
-    of: Varied, points: Sequence[Mapping[str, Any]], *, jobs: int | None = None, progress: Progress | None = None
-) -> list[Result]:
-    """Return the results, without traces, of a scene or two stages with the values [SI] of each point, by workers."""
-    call, dead = partial(_result_at, of, points), Result("failed", WORKER_DIED)
-    return parallel_map(call, len(points), died=lambda number: dead, jobs=jobs, progress=progress)
-
-
-def _result_at(of: Varied, points: Sequence[Mapping[str, Any]], number: int) -> Result:
-    return simulated_if_valid(with_values(of, points[number]), simulator() if isinstance(of, Scene) else solved)
-
-
-def absolute_error(result: Result, name: str, scene: Varied) -> float:
-    """Return the estimated error of a figure in its own unit; from the wanted accuracy where nothing is estimated."""
-    return error_in_unit(name, result.performance, result.error, accuracy_of(scene)) or 0.0
 
 
 def _best_of_trials(

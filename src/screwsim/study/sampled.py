@@ -8,8 +8,8 @@ import numpy as np
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
 from screwsim.scene.values import within
-from screwsim.study.optimum import results_at
 from screwsim.study.progress import Progress
+from screwsim.study.solving import results_at
 from screwsim.study.uncertain import FigureSample, Tolerances, Uncertainty, groups_of, tolerances_of, uncertainty
 from screwsim.study.varied import Varied, leaf_of, value_at
 

@@ -13,15 +13,14 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.results.warning_kinds import kinds_of
-from screwsim.scene import Scene
 from screwsim.scene.grid import too_many
 from screwsim.study.figures import figure_of
 from screwsim.study.inputs import check_fit, usual_efficiency
-from screwsim.study.optimum import Simulate, absolute_error, simulated_if_valid, simulator
 from screwsim.study.parallel import parallel_map
 from screwsim.study.progress import Progress
+from screwsim.study.solving import Simulate, absolute_error, simulated_if_valid, simulator
 from screwsim.study.spans import Span
-from screwsim.study.varied import Varied, solved, with_values
+from screwsim.study.varied import Varied, with_values
 from screwsim.study.workers import WORKER_DIED
 
 CONFIDENCE = 0.95
@@ -126,9 +125,7 @@ def sensitivity(
     points = _sampled_points(problem, samples, seed)
     middle = {each.path: 0.5 * (each.low + each.high) for each in ranges}
     check_fit(scene, middle, "in the middle of the ranges")
-    if simulate is None:
-        first = with_values(scene, middle)
-        simulate = simulator(first) if isinstance(first, Scene) else solved
+    simulate = simulate or simulator(with_values(scene, middle))
     call, dead = partial(_answer, scene, problem["names"], points, figures, simulate), _Answer(WORKER_DIED)
     count = {"failed": lambda one: bool(one.message), "progress": progress}
     answers = parallel_map(call, len(points), died=lambda number: dead, jobs=jobs, **count)

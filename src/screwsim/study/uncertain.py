@@ -18,10 +18,10 @@ from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, SceneLike
 from screwsim.scene.model_errors import CONDITION_WORDS, RATIO, SPEED, shown_condition, stored_model_errors
 from screwsim.scene.types import COVERAGE, Tolerance
-from screwsim.simulate import simulate
 from screwsim.study.inputs import shown_figure
 from screwsim.study.local import Sensitivities, numeric_paths, sensitivities
 from screwsim.study.progress import Progress
+from screwsim.study.solving import solved
 from screwsim.study.varied import Varied
 
 RANGE_MARGIN = 0.01  # of a value: margin by which it may lie outside the validated range
@@ -173,7 +173,7 @@ def slopes_by_inputs(
     if there or not isinstance(of, Scene):
         found = sensitivities(of, there, figures, jobs=jobs, progress=progress, result=result, fine=False)
     else:  # no path would mean all
-        found = Sensitivities(simulate(of, trace=False) if result is None else result)
+        found = Sensitivities(solved(of) if result is None else result)
     why, otherwise = {**why, **found.left_out}, found.result.told if found.result.status != "ok" else NOT_STATED
     lost = {path: why.get(path, otherwise) for path in paths if path not in found.values}
     for path in found.values:

@@ -15,8 +15,8 @@ from screwsim.scene.lines import lines
 from screwsim.study.datasheet.bounds import bound_words, limit_text
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.goals import Bound, Goal, read_bounds
-from screwsim.study.optimum import results_at
 from screwsim.study.seek import Question, find_each
+from screwsim.study.solving import results_at
 from screwsim.study.spans import Span
 
 INLET, COOLANT = "operation.suction.temperature", "effects.separator.cooler.coolant_temperature"

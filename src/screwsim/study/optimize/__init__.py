@@ -13,7 +13,7 @@ from screwsim.inputs.arguments import TEXTS, as_list, checked_arguments, whole
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
-from screwsim.scene import Scene, SceneLike
+from screwsim.scene import SceneLike
 from screwsim.study.goals import Bound
 from screwsim.study.inputs import check_fit, shown_figure, shown_value
 from screwsim.study.optimize.evaluate import SimulatedPoint, simulated
@@ -22,16 +22,16 @@ from screwsim.study.optimize.question import Aim, Question, question
 from screwsim.study.optimize.record import Record
 from screwsim.study.optimize.solve import front_of, search
 from screwsim.study.optimize.store import held_parts, write
-from screwsim.study.optimum import Simulate, simulator
 from screwsim.study.parallel import BatchWorkers, WarmSimulation
 from screwsim.study.progress import Progress, progress_of
 from screwsim.study.search import Maximum
 from screwsim.study.seek import rounded
+from screwsim.study.solving import Simulate, simulator
 from screwsim.study.spans import LOWER, UPPER, read_spans, refusal_beyond
 from screwsim.study.stages import scene_or_stages
 from screwsim.study.tally import Place, Tally
 from screwsim.study.uncertain import FigureUncertainty, figures_by_inputs
-from screwsim.study.varied import Varied, solved, with_text, with_values
+from screwsim.study.varied import Varied, with_text, with_values
 from screwsim.study.workers import cores
 
 __all__ = ["Aim", "EquallyGoodRange", "Optimum", "Question", "optimize", "question", "run_question", "spans_of"]
@@ -171,10 +171,8 @@ def run_question(
     """Return the answer to a question."""
     begin = asked.values([span.first for span in asked.spans])
     check_fit(with_values(asked.scene, asked.points.points[0].values), begin, ", ".join(begin))
-    if simulate is None and isinstance(asked.scene, Scene):
+    if simulate is None:
         simulator(with_values(asked.scene, begin))  # compiled before the fork
-    elif simulate is None:
-        simulate = solved
     progress, jobs = progress or Progress(), jobs or cores()
     target = None if output is None else Path(output)
     if target is not None:

@@ -14,9 +14,9 @@ from screwsim.scene import Scene, lines, refrigerating_effect
 from screwsim.study.goals import Goal
 from screwsim.study.optimize.points import OperatingPoint, OperatingPoints
 from screwsim.study.optimize.question import Question
-from screwsim.study.optimum import Simulate, simulated_if_valid
 from screwsim.study.seek import one_goal
 from screwsim.study.seek.trials import Trials, size_of
+from screwsim.study.solving import Simulate, simulated_if_valid
 from screwsim.study.spans import Span
 from screwsim.study.varied import Varied, accuracy_of, value_at, with_values
 

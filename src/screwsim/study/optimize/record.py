@@ -20,10 +20,10 @@ from screwsim.study.limit import CASE_LIMIT, TimeLimit
 from screwsim.study.local import with_slopes
 from screwsim.study.optimize.evaluate import Evaluation, evaluation_of, simulated
 from screwsim.study.optimize.question import Question
-from screwsim.study.optimum import Simulate
 from screwsim.study.parallel import BatchWorkers, WarmSimulation, unpacked
 from screwsim.study.progress import Progress
 from screwsim.study.shards import Parts
+from screwsim.study.solving import Simulate
 from screwsim.study.tally import Place, Tally
 from screwsim.study.varied import with_values
 from screwsim.study.workers import WORKER_DIED, pickled_work

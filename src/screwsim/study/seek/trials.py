@@ -6,8 +6,8 @@ from typing import Any, Self
 from screwsim.figures import declared
 from screwsim.outputs import Result
 from screwsim.study.goals import Bound, Goal
-from screwsim.study.optimum import Simulate, absolute_error, simulated_if_valid
 from screwsim.study.progress import Progress
+from screwsim.study.solving import Simulate, absolute_error, simulated_if_valid
 from screwsim.study.spans import Span, refusal_beyond
 from screwsim.study.varied import Varied, with_values
 
