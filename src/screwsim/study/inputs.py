@@ -3,11 +3,8 @@
 import re
 from typing import Any
 
-from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import shown_of
 from screwsim.outputs.customary import with_printed_units
-from screwsim.outputs.display import value_text
 from screwsim.scene import Scene
 from screwsim.scene.units import NUMBER, ZERO_CELSIUS, customary_unit, to_customary
 from screwsim.study.varied import Varied, faults_of, leaf_of, read_value, with_values
@@ -77,11 +74,6 @@ def check_fit(scene: Varied, values: dict[str, Any], where: str) -> None:
         text = str(faults[0])
         theirs = not text.startswith(f"{where}: ") and text not in map(str, faults_of(scene))
         raise UsageError(f"{where}: {text}" if theirs else text)
-
-
-def shown_figure(name: str, value: float) -> str:
-    """Return a value [SI] of a figure as text, in the unit in which people write it."""
-    return value_text(shown_of(declared(name), value))
 
 
 def shown_value(scene: Varied, path: str, value: Any, digits: int = 5) -> str:

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
+from screwsim.figures.engineering import figure_text
 from screwsim.inputs.arguments import checked_arguments, instance
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
@@ -18,7 +19,6 @@ from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, SceneLike
 from screwsim.scene.model_errors import CONDITION_WORDS, RATIO, SPEED, shown_condition, stored_model_errors
 from screwsim.scene.types import COVERAGE, Tolerance
-from screwsim.study.inputs import shown_figure
 from screwsim.study.local import Sensitivities, numeric_paths, sensitivities
 from screwsim.study.progress import Progress
 from screwsim.study.solving import solved
@@ -106,7 +106,7 @@ class Uncertainty(Brief):
             value = here.get(name)
             told = "–" if not value else f"{100.0 * spread.expanded / abs(value):.2g} %"
             most = ", ".join(spread.contributors[0].paths) if spread.contributors else ""
-            rows.append((name, "none" if value is None else shown_figure(name, value), told, most))
+            rows.append((name, "none" if value is None else figure_text(name, value), told, most))
         heading = f"Uncertainty of {len(rows)} figures by {len(self.groups)} inputs"
         notes = [self.message] if self.message else []
         return About(heading, notes, ("figure", "value", "± (95 %)", "most by"), rows)

@@ -15,7 +15,7 @@ from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
 from screwsim.scene import SceneLike
 from screwsim.study.goals import Bound
-from screwsim.study.inputs import check_fit, shown_figure, shown_value
+from screwsim.study.inputs import check_fit, shown_value
 from screwsim.study.optimize.evaluate import SimulatedPoint, simulated
 from screwsim.study.optimize.points import OperatingPoints
 from screwsim.study.optimize.question import Aim, Question, question
@@ -100,7 +100,7 @@ class Optimum(Brief):
         asked = ", ".join(f"{'least' if aim.minimum else 'greatest'} {aim.figure}" for aim in aims)
         rows = []
         for row in map(int, self.front):
-            figures = [shown_figure(aim.figure, float(self.aims[row, i])) for i, aim in enumerate(aims)]
+            figures = [figure_text(aim.figure, float(self.aims[row, i])) for i, aim in enumerate(aims)]
             rows.append([*figures, *(shown_value(scene, path, at) for path, at in self.values_at(row).items())])
         counts = f"{len(self.places)} evaluations, {self.failed} failed, {self.outside} outside the bounds"
         due = "uncertain by the tolerances of inputs, too (.by_inputs)" if self.by_inputs else ""
