@@ -166,7 +166,7 @@ def test_an_input_without_a_derivative_is_told_and_in_no_figure(paper_point, mon
     result = screwsim.simulate(scene, trace=False)
     lost = uncertainty(scene, result=result)
     lost = replace(lost, spreads={}, left_out={GAP: "not closed"})
-    monkeypatch.setattr("screwsim.study.uncertainty.point.scene_uncertainty", lambda *given, **more: lost)
+    monkeypatch.setattr("screwsim.study.uncertainty.point.uncertainty", lambda *given, **more: lost)
     found = with_uncertainty(scene, result)
     assert found.warnings[-1] == f"the tolerance of {GAP} is not included in the uncertainties: not closed"
     assert found.uncertainty["figures"] == {}

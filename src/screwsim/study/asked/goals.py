@@ -14,7 +14,14 @@ from screwsim.study.asked.figure_units import CELSIUS, UNITS, ZERO, quantity_of
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.asked.varied import Varied
 
-MORE_UNITS = {"W": {"MW": 1e6}, "m3 s-1": {"L/min": 1.0 / 60000.0}, "m3": {"L": 1e-3}, "s": {"h": 3600.0}}
+POUND = 0.45359237  # [kg], exact
+MORE_UNITS = {
+    "W": {"MW": 1e6},
+    "kg s-1": {"t/h": 1.0 / 3.6, "lb/min": POUND / 60.0, "lb/h": POUND / 3600.0},
+    "m3 s-1": {"L/min": 1.0 / 60000.0},
+    "m3": {"L": 1e-3},
+    "s": {"h": 3600.0},
+}
 MOST_EFFICIENCY = 1.5  # a number without a unit from this one on is meant in %
 
 

@@ -3,11 +3,8 @@
 import re
 from typing import Any
 
-from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import shown_of
 from screwsim.outputs.customary import with_printed_units
-from screwsim.outputs.display import value_text
 from screwsim.scene import Scene
 from screwsim.scene.units import NUMBER, ZERO_CELSIUS, customary_unit, to_customary
 from screwsim.study.asked.varied import Varied, faults_of, leaf_of, read_value, with_values
@@ -71,16 +68,12 @@ def unit_behind(text: str) -> str:
 
 
 def check_fit(scene: Varied, values: dict[str, Any], where: str) -> None:
-    """Raise UsageError with the first fault when values do not fit into a scene."""
+    """Raise UsageError with the first fault when values do not fit into a scene, behind `where` if they cause it."""
     faults = faults_of(with_values(scene, values))
     if faults:
         text = str(faults[0])
-        raise UsageError(text if text.startswith(f"{where}: ") else f"{where}: {text}")
-
-
-def shown_figure(name: str, value: float) -> str:
-    """Return a value [SI] of a figure as text, in the unit in which people write it."""
-    return value_text(shown_of(declared(name), value))
+        theirs = not text.startswith(f"{where}: ") and text not in map(str, faults_of(scene))
+        raise UsageError(f"{where}: {text}" if theirs else text)
 
 
 def shown_value(scene: Varied, path: str, value: Any, digits: int = 5) -> str:

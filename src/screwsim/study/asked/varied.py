@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, Union
 
 from screwsim import scene as scenes
-from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.fields import Leaf
 
@@ -67,8 +66,3 @@ def with_accuracy(of: Kind, accuracy: float) -> Kind | None:
     if of.numerics.rtol is not None:
         return None
     return replace(of, numerics=replace(of.numerics, accuracy=accuracy))
-
-
-def solved(of: StageChain) -> Result:
-    """Return the figures of two in series."""
-    return of.solved()

@@ -13,7 +13,7 @@ from screwsim.scene.grid import with_sweep_over
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.asked.inputs import check_continuous, check_fit, ends_of, read_text, shown_range, usual_efficiency
 from screwsim.study.asked.spans import LOWER, UPPER, Span, refusal_beyond
-from screwsim.study.asked.varied import Varied, accuracy_of, case, solved, with_accuracy, with_values
+from screwsim.study.asked.varied import Varied, accuracy_of, case, with_accuracy, with_values
 from screwsim.study.best.search import COARSE_POINTS, Maximum, SearchPoint, find_maximum
 from screwsim.study.pool.parallel import parallel_map
 from screwsim.study.pool.progress import Progress
@@ -134,9 +134,7 @@ def optimum(
     middle = {asked.path: asked.value_at(0.5 * (asked.coordinate(asked.low) + asked.coordinate(asked.high)))}
     check_fit(case(rest, 0), middle, asked.path)
     count = case_count(rest)
-    if simulate is None:
-        first = with_values(case(rest, 0), middle)
-        simulate = simulator(first if count > 1 else None) if isinstance(first, Scene) else solved
+    simulate = simulate or simulator(with_values(case(rest, 0), middle) if count > 1 else None)
     return parallel_map(
         partial(_best, rest, asked, simulate),
         count,

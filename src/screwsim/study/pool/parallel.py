@@ -13,6 +13,7 @@ from typing import Any, Self, TypeVar
 
 from screwsim.outputs import Result
 from screwsim.scene import Scene
+from screwsim.study.asked.varied import Varied
 from screwsim.study.pool.progress import Progress
 from screwsim.study.pool.tally import Place, Tally
 from screwsim.study.pool.workers import (
@@ -151,15 +152,17 @@ class BatchWorkers:
 
 
 class WarmSimulation:
-    """Simulate a scene when called, without traces, starting from the scene of the last call where that is near."""
+    """Solve a scene when called, starting from that of the last call where it is near; or two stages."""
 
     def __init__(self) -> None:
         self._scene: Scene | None = None
         self._course: Iterator[Result] | None = None
 
-    def __call__(self, scene: Scene) -> Result:
+    def __call__(self, scene: Varied) -> Result:
         from screwsim.simulate import simulate_many
 
+        if not isinstance(scene, Scene):
+            return scene.solved()
         self._scene = scene
         self._course = self._course or iter(simulate_many(self._scenes(), trace=False))
         try:

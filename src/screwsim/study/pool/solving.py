@@ -1,4 +1,4 @@
-"""Points of a study, of a machine or of two stages, solved without traces: what does not fit together has failed."""
+"""The solution of what a study varies, a scene or two in series, without traces; a failed result where it has none."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -8,7 +8,7 @@ from screwsim.figures.errors import error_in_unit
 from screwsim.inputs.faults import UsageError, in_one_line
 from screwsim.outputs import Result
 from screwsim.scene import Scene
-from screwsim.study.asked.varied import Varied, accuracy_of, faults_of, solved, with_values
+from screwsim.study.asked.varied import Varied, accuracy_of, faults_of, with_values
 from screwsim.study.pool.parallel import parallel_map
 from screwsim.study.pool.progress import Progress
 from screwsim.study.pool.workers import WORKER_DIED
@@ -16,13 +16,20 @@ from screwsim.study.pool.workers import WORKER_DIED
 Simulate = Callable[[Any], Result]  # of a scene, or of two in series
 
 
-def simulator(warm: Scene | None = None) -> Simulate:
-    """Return a function that simulates without traces; `warm` is compiled before the fork for workers to inherit."""
-    from screwsim.simulate import simulate, warm_up
+def solved(of: Varied) -> Result:
+    """Return the result of a scene, or the figures of two in series together."""
+    from screwsim.simulate import simulate
 
-    if warm is not None:
+    return simulate(of, trace=False) if isinstance(of, Scene) else of.solved()
+
+
+def simulator(warm: Varied | None = None) -> Simulate:
+    """Return `solved`; the scene `warm` is compiled before the fork for workers to inherit."""
+    from screwsim.simulate import warm_up
+
+    if isinstance(warm, Scene):
         warm_up(warm)
-    return partial(simulate, trace=False)
+    return solved
 
 
 def simulated_if_valid(scene: Varied, simulate: Simulate) -> Result:
@@ -45,7 +52,7 @@ def results_at(
 
 
 def _result_at(of: Varied, points: Sequence[Mapping[str, Any]], number: int) -> Result:
-    return simulated_if_valid(with_values(of, points[number]), simulator() if isinstance(of, Scene) else solved)
+    return simulated_if_valid(with_values(of, points[number]), solved)
 
 
 def absolute_error(result: Result, name: str, scene: Varied) -> float:

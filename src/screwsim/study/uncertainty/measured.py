@@ -201,8 +201,7 @@ def compare_measured(scene: Varied, result: Result, measured: Sequence[MeasuredF
         return Comparison(rows, none, why="nothing to explain")
     weighted = all(row.sigma is not None for row in rows)
     try:
-        known: dict[str, Any] = {"result": result} if isinstance(scene, Scene) else {}
-        found = sensitivities(scene, None, [row.figure for row in rows], fine=False, progress=False, **known)
+        found = sensitivities(scene, None, [row.figure for row in rows], fine=False, progress=False, result=result)
     except UsageError as error:
         return Comparison(rows, none, weighted=weighted, why=f"no explanation can be computed: {error}")
     linear = explanations(scene, found, rows, weighted)

@@ -15,9 +15,20 @@ from screwsim.simulate import Trace
 from screwsim.simulate import simulate as simulated
 from screwsim.study.asked.varied import Varied
 from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.solving import solved
 from screwsim.study.uncertainty.model_error import model_error
-from screwsim.study.uncertainty.slopes import Sensitivities, scene_sensitivities
-from screwsim.study.uncertainty.spreads import Uncertainty, scene_uncertainty
+from screwsim.study.uncertainty.slopes import Sensitivities, numeric_paths, scene_sensitivities
+from screwsim.study.uncertainty.spreads import (
+    NO_TOLERANCE,
+    FigureUncertainty,
+    Uncertainty,
+    groups_of,
+    not_included,
+    spreads_of,
+    tolerances_of,
+)
+
+NOT_STATED = "it is not stated here"
 
 
 @checked_arguments(paths=TEXTS, result=instance(Result, "what simulate returned"), fine=FLAG)
@@ -34,7 +45,7 @@ def sensitivities(
     """Return the derivatives of figures (default: all) by the numbers at paths (default: all of the scene).
 
     Two stages are given by the path of their file: the figures are those of both together, found in one process
-    (`jobs`, `progress` are for one machine). Pass a scene's `result` if it is known already. With fine=False
+    (`jobs`, `progress` are for one machine). Pass the `result` if it is known already. With fine=False
     derivatives are good to 1e-3 instead of 1e-5 and cost less (docs/explanation/derivatives.md). Raises UsageError
     for a path or a figure that does not exist, and for a result of another scene.
     """
@@ -42,11 +53,11 @@ def sensitivities(
 
     given = scene_or_stages(scene)
     if not isinstance(given, Scene):
+        from screwsim.study.stages import solution_of
         from screwsim.study.uncertainty.stages import chain_sensitivities
 
-        if result is not None:
-            raise UsageError("result: belongs to one machine, and here are two stages (leave it out)")
-        return chain_sensitivities(given, as_list(paths), as_list(figures), fine)
+        known = None if result is None else solution_of(result)
+        return chain_sensitivities(given, as_list(paths), as_list(figures), fine, known)
     more: dict[str, Any] = {"jobs": jobs, "progress": progress, "result": result, "fine": fine}
     return scene_sensitivities(given, as_list(paths), as_list(figures), **more)
 
@@ -64,19 +75,68 @@ def uncertainty(
     Two stages are given by the path of their file: the figures are those of both together, found in one process
     (`jobs`, `progress` are for one machine). Raises UsageError if no tolerance is stated.
     """
-    from screwsim.study.stages import run_stages, scene_or_stages
+    from screwsim.study.stages import run_stages, scene_or_stages, solution_of
 
     given = scene_or_stages(scene)
     if not isinstance(given, Scene):
         from screwsim.study.uncertainty.stages import chain_uncertainty
 
-        if result is not None:
-            raise UsageError("result: belongs to one machine, and here are two stages (leave it out)")
-        solution = run_stages(given)
+        solution = run_stages(given) if result is None else solution_of(result)
         if solution.status != "ok":
             return Uncertainty({}, Sensitivities(solution.as_result()))
         return chain_uncertainty(given, solution)[0]
-    return scene_uncertainty(given, result=result, jobs=jobs, progress=progress)
+    scene = given
+    if not scene.uncertain:
+        raise UsageError(NO_TOLERANCE)
+    found = slopes_by_inputs(scene, list(scene.uncertain), jobs=jobs, progress=progress, result=result)
+    spreads = spreads_of(scene, found.values, found.derivatives)
+    return Uncertainty(spreads, found, groups_of(scene), found.left_out if found.result.status == "ok" else {})
+
+
+def slopes_by_inputs(
+    of: Varied,
+    paths: Sequence[str],
+    figures: Sequence[str] = (),
+    *,
+    result: Result | None = None,
+    jobs: int | None = 1,
+    progress: Progress | bool | None = False,
+) -> Sensitivities:
+    """Return the derivatives of figures (default: all) by inputs with a tolerance, of a scene or two stages.
+
+    `left_out` names every input that has no derivative of one of the `figures` there, and why: it has no part in an
+    uncertainty, and `not_included` says so.
+    """
+    numbers, why = numeric_paths(of) if isinstance(of, Scene) else (paths, {})
+    there = [path for path in paths if path in numbers]
+    if there or not isinstance(of, Scene):
+        found = sensitivities(of, there, figures, jobs=jobs, progress=progress, result=result, fine=False)
+    else:  # no path would mean all
+        found = Sensitivities(solved(of) if result is None else result)
+    why, otherwise = {**why, **found.left_out}, found.result.told if found.result.status != "ok" else NOT_STATED
+    lost = {path: why.get(path, otherwise) for path in paths if path not in found.values}
+    for path in found.values:
+        if lacking := [name for name in figures if path not in found.derivatives.get(name, (path,))]:
+            lost[path] = f"{lacking[0]} has no derivative by it"
+    return replace(found, values={path: by for path, by in found.values.items() if path not in lost}, left_out=lost)
+
+
+def figures_by_inputs(
+    of: Varied, result: Result, figures: Sequence[str], without: Sequence[str]
+) -> tuple[dict[str, FigureUncertainty], str]:
+    """Return the uncertainties of figures of a result by all inputs `without` some; what has no part, or why none is.
+
+    Both are empty where no such input has a tolerance.
+    """
+    tolerances = tolerances_of(of, without)
+    if not tolerances.uncertain:
+        return {}, ""
+    try:
+        found = slopes_by_inputs(of, list(tolerances.uncertain), figures, result=result)
+    except UsageError as error:
+        return {}, f"no uncertainty from the inputs: {error}"
+    spreads = spreads_of(tolerances, found.values, found.derivatives)
+    return spreads, "; ".join(not_included(found.left_out))
 
 
 def with_uncertainty(scene: Scene, result: Result) -> Result:
@@ -90,14 +150,9 @@ def with_uncertainty(scene: Scene, result: Result) -> Result:
     told = {"model": model_error(scene, result.performance)} if scene.model_error else {}
     if not scene.uncertain:
         return replace(result, uncertainty=told)
-    try:
-        found = scene_uncertainty(scene, result=result, progress=False)
-    except UsageError as error:  # a case of a sweep whose axis makes an input follow from others
-        warning = f"no uncertainty from the inputs: {error}"
-        return replace(result, uncertainty=told, warnings=(*result.warnings, warning))
-    no = "is not included in the uncertainties"
-    lost = (f"the tolerance of {path} {no}: {why}" for path, why in found.left_out.items())
-    return replace(result, uncertainty={**found.as_json(), **told}, warnings=(*result.warnings, *lost))
+    found = uncertainty(scene, result=result, progress=False)
+    warnings = (*result.warnings, *not_included(found.left_out))
+    return replace(result, uncertainty={**found.as_json(), **told}, warnings=warnings)
 
 
 @checked_arguments(trace=one_of(True, False, "ledger"))

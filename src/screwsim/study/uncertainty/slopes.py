@@ -32,9 +32,9 @@ DIFFERENCE_STEP = 5e-3  # relative step of a number for differences of closed cy
 LARGEST_ANGLE_STEP = math.radians(0.5)
 # ... [K] that of a temperature, half a percent of which is 1.5 K, and of a difference of two, which may be small ...
 TEMPERATURE_STEP = 0.25
-# ... [SI] that of a number that is zero, by its kind, DIFFERENCE_STEP for others ...
-ZERO_STEPS = {"length": 1e-4, "area": 1e-6, "volume": 1e-6, "pressure_difference": 100.0, "power": 1.0}
 DIFFERENCE_ACCURACY = 1e-6  # ... accuracy of these cycles, unless the scene's is finer
+# [SI], by its kind, 1 for others: size that the step of a number that is zero is relative to
+ZERO_SIZES = {"length": 0.02, "area": 2e-4, "volume": 2e-4, "pressure_difference": 2e4, "power": 200.0}
 EXCLUDED_SECTIONS = ("numerics.", "output.")  # sections whose numbers do not describe the machine
 GAUGE_REMEDY = "gauge pressures were read relative to it"
 KINDS_WITHOUT_DERIVATIVE = {**DISCRETE_KINDS, "numbers": "a list of numbers", "file": "a file"}
@@ -206,9 +206,14 @@ def _differences(
     return slopes, failed
 
 
+def size_of(leaf: Leaf, value: float) -> float:
+    """Return the size [SI] that the step of a number is relative to: its magnitude; for zero that of its kind."""
+    return abs(value) or ZERO_SIZES.get(leaf.kind, 1.0)
+
+
 def _shifts(leaf: Leaf, value: float) -> tuple[float, float]:
     """Return the steps by which a number is shifted up and down, within the limits of its leaf."""
-    step = DIFFERENCE_STEP * abs(value) or ZERO_STEPS.get(leaf.kind, DIFFERENCE_STEP)
+    step = DIFFERENCE_STEP * size_of(leaf, value)
     step = TEMPERATURE_STEP if leaf.kind in ("temperature", "temperature_difference") else step
     step = min(step, LARGEST_ANGLE_STEP) if leaf.kind == "angle" else step
     most = leaf.limits.get("le", leaf.limits.get("lt"))

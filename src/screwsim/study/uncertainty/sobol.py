@@ -13,12 +13,11 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.results.warning_kinds import kinds_of
-from screwsim.scene import Scene
 from screwsim.scene.grid import too_many
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.asked.inputs import check_fit, usual_efficiency
 from screwsim.study.asked.spans import Span
-from screwsim.study.asked.varied import Varied, solved, with_values
+from screwsim.study.asked.varied import Varied, with_values
 from screwsim.study.pool.parallel import parallel_map
 from screwsim.study.pool.progress import Progress
 from screwsim.study.pool.solving import Simulate, absolute_error, simulated_if_valid, simulator
@@ -126,9 +125,7 @@ def sensitivity(
     points = _sampled_points(problem, samples, seed)
     middle = {each.path: 0.5 * (each.low + each.high) for each in ranges}
     check_fit(scene, middle, "in the middle of the ranges")
-    if simulate is None:
-        first = with_values(scene, middle)
-        simulate = simulator(first) if isinstance(first, Scene) else solved
+    simulate = simulate or simulator(with_values(scene, middle))
     call, dead = partial(_answer, scene, problem["names"], points, figures, simulate), _Answer(WORKER_DIED)
     count = {"failed": lambda one: bool(one.message), "progress": progress}
     answers = parallel_map(call, len(points), died=lambda number: dead, jobs=jobs, **count)

@@ -7,19 +7,16 @@ that the scene names states (study.validation.discrepancy), are separate, and ad
 Source: JCGM 100:2008, Evaluation of measurement data (GUM), section 5; ASME V&V 20-2009.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
-from screwsim.inputs.faults import UsageError
-from screwsim.outputs import Result
+from screwsim.figures.engineering import figure_text
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE, Tolerance
-from screwsim.study.asked.inputs import shown_figure
 from screwsim.study.asked.varied import Varied
-from screwsim.study.pool.progress import Progress
-from screwsim.study.uncertainty.slopes import Sensitivities, numeric_paths, scene_sensitivities
+from screwsim.study.uncertainty.slopes import Sensitivities
 
 
 class Tolerances(NamedTuple):
@@ -29,13 +26,17 @@ class Tolerances(NamedTuple):
     correlated: tuple[tuple[str, ...], ...]
 
 
-def tolerances_of(of: Varied) -> Tolerances:
-    """Return the tolerances of a scene's inputs, or of those of two stages, their stage before the path."""
+def tolerances_of(of: Varied, without: Sequence[str] = ()) -> Tolerances:
+    """Return the tolerances of the inputs of a scene, or of two stages, `without` those of some paths."""
     if isinstance(of, Scene):
-        return Tolerances(of.uncertain, of.correlated)
-    from screwsim.study.stages.tolerances import stage_tolerances
+        uncertain, correlated = of.uncertain, of.correlated
+    else:
+        from screwsim.study.stages.tolerances import stage_tolerances
 
-    return Tolerances(*stage_tolerances(of))
+        uncertain, correlated = stage_tolerances(of)
+    groups = (tuple(path for path in group if path not in without) for group in correlated)
+    kept = {path: tolerance for path, tolerance in uncertain.items() if path not in without}
+    return Tolerances(kept, tuple(group for group in groups if len(group) > 1))
 
 
 class Contributor(NamedTuple):
@@ -96,7 +97,7 @@ class Uncertainty(Brief):
             value = here.get(name)
             told = "–" if not value else f"{100.0 * spread.expanded / abs(value):.2g} %"
             most = ", ".join(spread.contributors[0].paths) if spread.contributors else ""
-            rows.append((name, "none" if value is None else shown_figure(name, value), told, most))
+            rows.append((name, "none" if value is None else figure_text(name, value), told, most))
         heading = f"Uncertainty of {len(rows)} figures by {len(self.groups)} inputs"
         notes = [self.message] if self.message else []
         return About(heading, notes, ("figure", "value", "± (95 %)", "most by"), rows)
@@ -113,26 +114,10 @@ class Uncertainty(Brief):
         }
 
 
-def scene_uncertainty(
-    scene: Scene,
-    *,
-    result: Result | None = None,
-    jobs: int | None = 1,
-    progress: Progress | bool | None = None,
-) -> Uncertainty:
-    """Return the uncertainty of the figures of one machine; the arguments are those of `point.uncertainty`."""
-    if not scene.uncertain:
-        raise UsageError(NO_TOLERANCE)
-    numbers, why = numeric_paths(scene)
-    paths = [path for path in scene.uncertain if path in numbers]
-    if not paths:
-        names = ", ".join(scene.uncertain)
-        raise UsageError(f"all inputs with a tolerance follow from others here: {names} (write tolerances of those)")
-    found = scene_sensitivities(scene, paths, jobs=jobs, progress=progress, result=result, fine=False)
-    spreads = spreads_of(scene, found.values, found.derivatives)
-    why = {**why, **found.left_out}
-    left_out = {path: why.get(path, "it is not stated") for path in scene.uncertain if path not in found.values}
-    return Uncertainty(spreads, found, groups_of(scene), left_out if found.derivatives else {})
+def not_included(left_out: Mapping[str, str]) -> Iterator[str]:
+    """Yield that the tolerance of each input without a derivative has no part in the uncertainties, and why."""
+    for path, why in left_out.items():
+        yield f"the tolerance of {path} is not included in the uncertainties: {why}"
 
 
 def spreads_of(

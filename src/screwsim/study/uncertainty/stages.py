@@ -19,8 +19,8 @@ from screwsim.scene.fields import FIXED
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.stages.axes import BETWEEN, COMMON, LEAVES, SOLVED
 from screwsim.study.stages.solve import Stop, run_stages
-from screwsim.study.uncertainty.slopes import Sensitivities, numeric_paths, requested_numbers
-from screwsim.study.uncertainty.spreads import NO_TOLERANCE, Uncertainty, tolerances_of
+from screwsim.study.uncertainty.slopes import Sensitivities, numeric_paths, requested_numbers, size_of
+from screwsim.study.uncertainty.spreads import NO_TOLERANCE, Uncertainty, not_included, tolerances_of
 from screwsim.study.uncertainty.stages_linear import ChainDerivatives, linear_chain
 
 if TYPE_CHECKING:
@@ -28,24 +28,29 @@ if TYPE_CHECKING:
     from screwsim.study.stages.result import ChainResult
 
 INPUT_STEP = 0.01  # of a standard uncertainty
-STEP = 1e-4  # of a number; of the pressure between both for a pressure drop of zero; of the unit for another zero
+STEP = 1e-4  # of a number's size
 
 
 def chain_sensitivities(
-    chain: StageChain, paths: Sequence[str] = (), figures: Sequence[str] = (), fine: bool = True
+    chain: StageChain,
+    paths: Sequence[str] = (),
+    figures: Sequence[str] = (),
+    fine: bool = True,
+    found: ChainResult | None = None,
 ) -> Sensitivities:
     """Return the derivatives of figures of both together (default: all) by numbers (default: all of both scenes).
 
-    Raises UsageError for a path or a figure that does not exist, and where a stage has no derivatives by its lines.
+    `found` is the solution, where it is known. Raises UsageError for a path or a figure that does not exist, and where
+    a stage has no derivatives by its lines.
     """
     names = [figure_of(chain, name) for name in figures]
     values = requested_numbers(chain, paths, dict(_numbers(chain)))
-    found = run_stages(chain)
+    found = found or run_stages(chain)
     result = found.as_result()
     if found.status != "ok":
         return Sensitivities(result)
-    p, wanted = float(found.performance.intermediate_pressure), STAGES.keys() & (names or STAGES)
-    steps = {name: STEP * (abs(value) or (p if name.startswith(BETWEEN) else 1.0)) for name, value in values.items()}
+    wanted = STAGES.keys() & (names or STAGES)
+    steps = {name: STEP * size_of(chain.leaf_of(name), value) for name, value in values.items()}
     try:
         linear = linear_chain(chain, found, values, fine)
         slopes = ChainDerivatives(linear, steps)
@@ -96,10 +101,8 @@ def with_uncertainty(chain: StageChain, found: ChainResult) -> ChainResult:
         replace(each, uncertainty=slopes.uncertainty(each, own, tolerances).as_json())
         for each, own in zip(found.stages, slopes.stages, strict=True)
     )
-    lost = (
-        f"the tolerance of {path} is not included in the uncertainties: {why}" for path, why in told.left_out.items()
-    )
-    return replace(found, uncertainty=told.as_json(), stages=stages, warnings=(*found.warnings, *lost))
+    warnings = (*found.warnings, *not_included(told.left_out))
+    return replace(found, uncertainty=told.as_json(), stages=stages, warnings=warnings)
 
 
 def chain_uncertainty(chain: StageChain, found: ChainResult) -> tuple[Uncertainty, ChainDerivatives]:

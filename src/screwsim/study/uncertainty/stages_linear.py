@@ -23,12 +23,7 @@ from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.figures import StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.solve import ChainSolver
 from screwsim.study.uncertainty.slopes import Sensitivities, scene_sensitivities
-from screwsim.study.uncertainty.spreads import (
-    Tolerances,
-    Uncertainty,
-    groups_of,
-    spreads_of,
-)
+from screwsim.study.uncertainty.spreads import Tolerances, Uncertainty, groups_of, spreads_of
 
 if TYPE_CHECKING:
     from screwsim.study.stages.chain import StageChain
