@@ -36,6 +36,7 @@ MOST_POINTS = 10_000  # per fit
 UNCERTAINTY_SUFFIX = "_uncertainty"
 SMALLEST, LARGEST = 1e-9, 1e9  # of a value: uncertainties outside are implausible or carry no information
 USE_WORDS = {"": True, "fit": True, "check": False}
+POUND, CUBIC_FOOT, HORSEPOWER = 0.45359237, 0.3048**3, 745.6998715822702  # [kg], [m^3], [W]
 # SI unit of a figure -> {unit: factor}; degrees Celsius are handled separately
 UNITS = {
     "1": {"": 1.0, "1": 1.0, "%": 0.01},
@@ -45,8 +46,8 @@ UNITS = {
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5},
     "J": {"J": 1.0, "kJ": 1e3},
     "kg": {"kg": 1.0, "g": 1e-3},
-    "kg s-1": {"kg/s": 1.0, "kg/h": 1.0 / 3600.0, "g/s": 1e-3},
-    "W s m-3": {"W s/m^3": 1.0, "kW/(m^3/min)": 6e4},
+    "kg s-1": {"kg/s": 1.0, "kg/h": 1.0 / 3600.0, "g/s": 1e-3, "lb/h": POUND / 3600.0, "lb/min": POUND / 60.0},
+    "W s m-3": {"W s/m^3": 1.0, "kW/(m^3/min)": 6e4, "hp/(100 cfm)": HORSEPOWER * 0.6 / CUBIC_FOOT},
     "J m-3": {"J/m^3": 1.0, "kJ/m^3": 1e3},
     "N": {"N": 1.0, "kN": 1e3},
     "N m": {"N m": 1.0},
@@ -212,7 +213,9 @@ def quantity_of(figure: str, kind: str, unit: str) -> Kind | None:
         return wanted[0]
     if differences and wanted[:1] == differences[:1] and _is_unit_of(absolute[0], unit):
         what = "an uncertainty" if kind == "uncertainty" else "a difference"
-        raise Refused(f"unit {shown(unit)} has an offset zero, and this is {what} (write {si})")
+        raise Refused(
+            f"unit {shown(unit)} has an offset zero, and this is {what} (write {si}{' or delta_degF' if si == 'K' else ''})"
+        )
     for named in wanted:
         refuse_traps(named, unit, f"unit {shown(unit)}")
         if meant := likely_unit(named, unit):
