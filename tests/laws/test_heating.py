@@ -84,8 +84,9 @@ def test_heat_that_is_pushed_back_beyond_what_the_vapour_takes_leaves_and_is_tol
 @pytest.mark.parametrize("backflow", ["given_away", "evaporates"])
 def test_the_balance_closes_where_an_economizer_gets_more_gas_than_it_gives(backflow):
     """What the chambers leave there reaches the evaporator as liquid: it costs the heat of its condensing."""
-    port = f"effects.economizer={{temperature: 5 degC, opens: 470 deg, closes: 560 deg, area: 2 cm^2, backflow: {backflow}}}"
-    p = simulate(load(CONFIGS / "r134a" / "separator.yaml", [port, "numerics.error=none"]), trace=False).performance
+    port = "effects.economizer={temperature: 5 degC, opens: 470 deg, closes: 560 deg, area: 2 cm^2}"
+    changes = [port, f"effects.economizer.backflow={backflow}", "numerics.error=none"]
+    p = simulate(load(CONFIGS / "r134a" / "separator.yaml", changes), trace=False).performance
     assert p.economizer_mass_flow < -0.01 * p.gas_mass_flow and p.economizer_capacity_gain < 0.0
     brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.economizer_heat_loss
     assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)

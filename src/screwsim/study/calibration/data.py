@@ -213,9 +213,8 @@ def quantity_of(figure: str, kind: str, unit: str) -> Kind | None:
         return wanted[0]
     if differences and wanted[:1] == differences[:1] and _is_unit_of(absolute[0], unit):
         what = "an uncertainty" if kind == "uncertainty" else "a difference"
-        raise Refused(
-            f"unit {shown(unit)} has an offset zero, and this is {what} (write {si}{' or delta_degF' if si == 'K' else ''})"
-        )
+        units = "K or delta_degF" if si == "K" else si
+        raise Refused(f"unit {shown(unit)} has an offset zero, and this is {what} (write {units})")
     for named in wanted:
         refuse_traps(named, unit, f"unit {shown(unit)}")
         if meant := likely_unit(named, unit):
