@@ -22,6 +22,7 @@ from screwsim.study.calibration.hypotheses import NO_CHANGE
 from screwsim.study.calibration.machine import unchanged_fit
 from screwsim.study.calibration.pair_likelihood import normal_about
 from screwsim.study.calibration.profile import LinearLikelihood, linear_likelihood, whitener
+from screwsim.study.pool.progress import CountingProgress
 from screwsim.study.uncertainty.slopes import Sensitivities
 
 pytestmark = pytest.mark.around
@@ -198,6 +199,13 @@ def test_a_likely_change_is_solved_again_at_its_estimate(tmp_path):
     gap = by_path(asked(tmp_path, points(lambda n: 2.0 + 2.0 * n), squared))[GAP]
     assert gap.linear == "" and gap.value == pytest.approx(1e-5 * np.sqrt(10.0), rel=0.05) and gap.misfit < 20.0
     assert gap.also == ()
+
+
+def test_progress_counts_points_and_then_hypotheses_that_are_solved(tmp_path):
+    shown = CountingProgress()
+    begun, shown.start = [], lambda cases, reused: begun.append(cases)
+    asked(tmp_path, points(lambda n: 8.0 + 2.0 * n), pairs=0.0, progress=shown)
+    assert begun == [6, 2]
 
 
 def squared(scene):

@@ -313,6 +313,10 @@ def test_an_axis_of_the_other_way_to_state_the_lines_is_refused(plant, tmp_path,
     assert "has no meaning where the scene states saturation temperatures" in told and remedy in told
 
 
-def test_gauge_pressures_of_a_sweep_are_over_one_ambient_pressure(plant, capsys):
-    assert exit_code(["sweep", str(plant()), "--set", "second.operation.ambient_pressure=0.8 bar"]) == 3
-    assert "the scenes have two" in " ".join(capsys.readouterr().err.split())
+def test_a_sweep_over_two_ambient_pressures_takes_no_gauge_pressures_and_all_else(plant, capsys):
+    high = "second.operation.ambient_pressure=0.8 bar"
+    assert read_stages(plant(), [high]).sweep
+    path = plant(sweep={"second.operation.discharge.pressure": ["7 bar(g)", "8 bar"]})
+    assert exit_code(["sweep", str(path), "--set", high]) == 3
+    told = capsys.readouterr().err.split(":", 3)[3]
+    assert told.startswith(" sweep.second.operation.discharge.pressure: '7 bar(g)' is a gauge pressure (write the abs")

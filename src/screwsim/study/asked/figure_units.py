@@ -6,29 +6,38 @@ from collections.abc import Mapping
 from screwsim.figures import declared
 from screwsim.inputs.declare import KINDS, Kind
 from screwsim.outputs.display import si_unit
+from screwsim.outputs.us_units import CFM, HORSEPOWER, POUND
 from screwsim.scene.units import Refused, likely_unit, parse_quantity, refuse_traps, tidy_unit
 from screwsim.scene.values import shown
 
 # SI unit of a figure -> {unit: factor}; degrees Celsius are handled separately
 UNITS = {
     "1": {"": 1.0, "1": 1.0, "%": 0.01},
-    "W": {"W": 1.0, "kW": 1e3},
+    "W": {"W": 1.0, "kW": 1e3, "MW": 1e6},
     "K": {"K": 1.0},
     "kelvin": {"K": 1.0},
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5},
     "J": {"J": 1.0, "kJ": 1e3},
     "kg": {"kg": 1.0, "g": 1e-3},
-    "kg s-1": {"kg/s": 1.0, "kg/h": 1.0 / 3600.0, "g/s": 1e-3},
-    "W s m-3": {"W s/m^3": 1.0, "kW/(m^3/min)": 6e4},
+    "kg s-1": {
+        "kg/s": 1.0,
+        "kg/h": 1.0 / 3600.0,
+        "g/s": 1e-3,
+        "t/h": 1.0 / 3.6,
+        "lb/min": POUND / 60.0,
+        "lb/h": POUND / 3600.0,
+    },
+    "W s m-3": {"W s/m^3": 1.0, "kW/(m^3/min)": 6e4, "hp/(100 cfm)": HORSEPOWER / (100.0 * CFM)},
     "J m-3": {"J/m^3": 1.0, "kJ/m^3": 1e3},
     "N": {"N": 1.0, "kN": 1e3},
     "N m": {"N m": 1.0},
     "m": {"m": 1.0, "mm": 1e-3, "um": 1e-6},
-    "m3": {"m^3": 1.0, "cm^3": 1e-6},
-    "m3 s-1": {"m^3/s": 1.0, "m^3/min": 1.0 / 60.0, "m^3/h": 1.0 / 3600.0},
+    "m3": {"m^3": 1.0, "cm^3": 1e-6, "L": 1e-3},
+    "m3 s-1": {"m^3/s": 1.0, "m^3/min": 1.0 / 60.0, "m^3/h": 1.0 / 3600.0, "L/min": 1.0 / 60000.0},
     "rad": {"rad": 1.0, "deg": math.pi / 180.0},
     "rad s-1": {"rad/s": 1.0, "rpm": math.pi / 30.0},
     "Hz": {"Hz": 1.0},
+    "s": {"s": 1.0, "h": 3600.0},
 }
 CELSIUS, ZERO = "degC", 273.15
 
@@ -55,7 +64,8 @@ def quantity_of(figure: str, kind: str, unit: str) -> Kind | None:
         return wanted[0]
     if differences and wanted[:1] == differences[:1] and _is_unit_of(absolute[0], unit):
         what = "an uncertainty" if kind == "uncertainty" else "a difference"
-        raise Refused(f"unit {shown(unit)} has an offset zero, and this is {what} (write {si})")
+        units = "K or delta_degF" if si == "K" else si
+        raise Refused(f"unit {shown(unit)} has an offset zero, and this is {what} (write {units})")
     for named in wanted:
         refuse_traps(named, unit, f"unit {shown(unit)}")
         if meant := likely_unit(named, unit):

@@ -14,14 +14,6 @@ from screwsim.study.asked.figure_units import CELSIUS, UNITS, ZERO, quantity_of
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.asked.varied import Varied
 
-POUND = 0.45359237  # [kg], exact
-MORE_UNITS = {
-    "W": {"MW": 1e6},
-    "kg s-1": {"t/h": 1.0 / 3.6, "lb/min": POUND / 60.0, "lb/h": POUND / 3600.0},
-    "m3 s-1": {"L/min": 1.0 / 60000.0},
-    "m3": {"L": 1e-3},
-    "s": {"h": 3600.0},
-}
 MOST_EFFICIENCY = 1.5  # a number without a unit from this one on is meant in %
 
 
@@ -88,7 +80,7 @@ def read_figure(figure: str, text: str, where: str, kind: str = "figure") -> flo
     Units are those listed for it, and those in which scenes state its dimension; `kind`: figure or uncertainty of one.
     """
     si = declared(figure).units
-    units = {**UNITS.get(si, {si: 1.0}), **MORE_UNITS.get(si, {})}
+    units = UNITS.get(si, {si: 1.0})
     match = re.fullmatch(rf"({NUMBER})\s*(.*?)", text.strip())
     if match is None:
         odd = odd_number(text)

@@ -140,13 +140,9 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults)
     if BLOCK in content:
         changed = [f"{stage}.{each.partition('=')[0]}" for stage, own in overrides.items() for each in own]
         chain = replace(chain, correlated=read_correlated(content[BLOCK], chain, changed, problems))
-    ambient = first.operation.ambient_pressure
-    if "sweep" in content and second.operation.ambient_pressure != ambient:
-        what = "takes gauge pressures over one ambient_pressure, and the scenes have two (state the same in both)"
-        problems.add(content["sweep"].place, "sweep", what)
-        return None
     leaf = partial(leaf_in_chain, chain)
-    with gauge_pressures_over(ambient):
+    shared = {stage.operation.ambient_pressure for stage in (first, second)}
+    with gauge_pressures_over(shared.pop() if len(shared) == 1 else None):
         sweep, joints = read_sweep_of(content.get("sweep"), leaf, problems, "first.operation.speed")
     return replace(chain, sweep=sweep, joints=joints)
 
