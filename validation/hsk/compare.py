@@ -23,22 +23,22 @@ CITATION = (
 ABOUT = (
     "These are figures of the maker's software, no measurements: mass flow and efficiencies follow from its capacity "
     "and power. Profile, built-in volume ratio, oil and gaps of the machines are not known. 'New' are machines that "
-    "`screwsim new refrigeration` writes for the displacement, nothing of them adjusted to these ratings; the "
-    "tolerances are those of validation/templates. The fitted machine is the one of 192 m³/h, fitted to three "
-    "conditions at 50 Hz (machine.fit.yaml); all other conditions and all other speeds are predicted. The last rows "
-    "put what was fitted into the other sizes, leaks in proportion to what is written there. The displacement is "
-    "given at 2900 rpm, and an induction motor turns up to 3.4 % faster at light load: with 2950 rpm at 50 Hz, λ of "
-    "the source is known to 1.7 %. Above 50 Hz the slip grows, which would raise that of the source. What it shows: "
-    "the new machines of 84 to 192 m³/h leak too much, the more the slower they run, and the one of 535 too little, "
-    "so that a rule of sizes is not what tells the maker's machines apart; their electrical efficiency is near all "
-    "the same. Fitted at one speed, the model has both at all speeds but for what three things leave: λ of the source "
-    "falls more over the pressure ratio; it falls again above 60 Hz, where ours still rises (ports and passages that "
-    "throttle more, or slip); and so does its efficiency (friction here is a share of the power, whatever the speed)."
+    "`screwsim new refrigeration` writes for the displacement. Their clearances are in proportion to the diameter, a "
+    "rule that was chosen with these ratings at hand (by tolerances of ISO 286 below 160 mm, λ of the three smaller "
+    "ones was 2 to 5 points lower); nothing else of them is adjusted. The tolerances are those of "
+    "validation/templates. The fitted machine is the one of 192 m³/h, fitted to three conditions at 50 Hz "
+    "(machine.fit.yaml); all other conditions and all other speeds are predicted. The last rows put what was fitted "
+    "into the other sizes, leaks in proportion to what is written there. The displacement is given at 2900 rpm, and "
+    "an induction motor turns up to 3.4 % faster at light load: with 2950 rpm at 50 Hz, λ of the source is known to "
+    "1.7 %. Above 50 Hz the slip grows, which would raise that of the source. What it shows: the new machines of 84 "
+    "to 192 m³/h still leak too much, the more the slower they run, and the one of 535 too little, so that no rule of "
+    "sizes tells the maker's machines apart; their electrical efficiency is near all the same. Fitted at one speed, "
+    "the model has both at all speeds but for what three things leave: λ of the source falls more over the pressure "
+    "ratio; it falls again above 60 Hz, where ours still rises (ports and passages that throttle more, or slip); and "
+    "so does its efficiency (friction here is a share of the power, whatever the speed)."
 )
 FIGURES = {"volumetric_efficiency": "λ", "electrical_isentropic_efficiency": "electrical η_s"}
-SMALL = {"volumetric_efficiency": 0.08, "electrical_isentropic_efficiency": 0.06}  # below LARGE
 NEW = {"volumetric_efficiency": 0.04, "electrical_isentropic_efficiency": 0.06}
-LARGE = 200.0  # m³/h
 FIT = {"volumetric_efficiency": rated.LAMBDA, "electrical_isentropic_efficiency": rated.ETA}
 CHANGE = 0.02  # of the change with the speed
 AT, SHOWN = "-5/40", "0/40"  # °C: of the change with the speed; of the figure
@@ -164,8 +164,8 @@ def compare(here: Path) -> Comparison:
         flow = ratings[0].displacement
         scene, full = new(flow), [one for one in ratings if one.frequency == FULL]
         points = found(scene, ratings)
-        name, within = f"new, {flow} m³/h ({model})", NEW if float(flow) >= LARGE else SMALL
-        rows += farthest(f"{name}, {FULL:g} Hz", [e for e in points if e.rating.frequency == FULL], within, TAKEN)
+        name = f"new, {flow} m³/h ({model})"
+        rows += farthest(f"{name}, {FULL:g} Hz", [e for e in points if e.rating.frequency == FULL], NEW, TAKEN)
         if any(one.frequency == SLOW for one in ratings):
             rows += changes(name, points)
         if model == rated.FITTED_MODEL:
