@@ -42,4 +42,6 @@ def compare(here: Path) -> Comparison:
         before = before or found
     predicted = shown.found(load(here / "fitted" / "scene.yaml"), ratings)
     rows += shown.fit_rows(here, predicted, points.FITTED, CONDITION)
-    return Comparison(TITLE, CITATION, ABOUT, rows, tuple(shown.panels(before, predicted, MODEL, CONDITION)))
+    deviations = [*shown.deviations("reciprocating_r134a", predicted, points.FITTED)]
+    panels = tuple(shown.panels(before, predicted, MODEL, CONDITION))
+    return Comparison(TITLE, CITATION, ABOUT, rows, panels, deviations)
