@@ -8,7 +8,7 @@ from CoolProp.CoolProp import PropsSI
 import screwsim
 from screwsim.derivatives.solving import SceneDerivatives
 from screwsim.scene import value_at, with_values
-from screwsim.study.local import sensitivities
+from screwsim.study.uncertainty.point import sensitivities
 
 OUTLET, OFFSET = "operation.gas_cooler.outlet_temperature", "machine.offset"
 
@@ -21,7 +21,8 @@ def scene(request):
 @pytest.fixture(autouse=True)
 def none_exact(monkeypatch):
     """Let differences stand in for all derivatives."""
-    monkeypatch.setattr("screwsim.study.local.scene_derivatives", lambda *_: SceneDerivatives({}, {}, "asked for"))
+    none = SceneDerivatives({}, {}, "asked for")
+    monkeypatch.setattr("screwsim.study.uncertainty.slopes.scene_derivatives", lambda *_: none)
 
 
 def test_cooling_follows_the_gas_coolers_outlet_by_the_heat_capacity_there(scene):

@@ -18,7 +18,7 @@ from screwsim.derivatives.solving import figures_of, scene_derivatives
 from screwsim.model.impacts import LEAVES, SEATED, STOPPED
 from screwsim.scene import value_at, with_values
 from screwsim.solve.circuit import solve_with_surroundings, steady_state
-from screwsim.study.local import sensitivities
+from screwsim.study.uncertainty.point import sensitivities
 
 CYLINDERS = Path(__file__).parents[2] / "configs" / "slider_crank"
 AIR, R134A, ROD = CYLINDERS / "air.yaml", CYLINDERS / "r134a.yaml", CYLINDERS / "flexible_rod.yaml"

@@ -1,7 +1,7 @@
 """Output on the uncertainty of a scene's figures due to its inputs, beside the numerical error; and that of sweeps."""
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import compress
 from pathlib import Path
 from typing import Any
@@ -18,10 +18,10 @@ from screwsim.printing.tables import plain_table, print_scene_title, print_table
 from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.read import Results
 from screwsim.screen import say
+from screwsim.study.asked.varied import Varied
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.sampled import rounding
-from screwsim.study.uncertain import COVERAGE, Uncertainty
-from screwsim.study.varied import Varied
+from screwsim.study.uncertainty.sampled import rounding
+from screwsim.study.uncertainty.spreads import COVERAGE, FigureUncertainty, Uncertainty
 
 MOST_FIGURES = 3
 EFFICIENCY_SUFFIX = "efficiency"
@@ -44,7 +44,8 @@ def print_uncertainty(result: Result) -> None:
     found, model = result.uncertainty.get("figures", {}), result.uncertainty.get("model", {})
     by_model = model.get("figures", {})
     rows, causes = [], []
-    for name in (name for name in RANGE_FIGURES if name in found or name in by_model):
+    every = dict.fromkeys((*RANGE_FIGURES, *by_model))
+    for name in (name for name in every if name in found or name in by_model):
         spread = found.get(name, {"expanded": 0.0, "contributors": ()})
         if spread["expanded"] > NEGLIGIBLE * abs(result.performance[name]) or name in by_model:
             rows.append([shown_name(name), *_uncertainty_row(result, name, spread["expanded"], model)])
@@ -75,6 +76,12 @@ def contributors_text(contributors: Sequence[Mapping[str, Any]]) -> str:
     return ", ".join(f"{path} {each['share']:.0%}" for path, each in zip(paths, some, strict=True))
 
 
+def by_inputs_line(size: str, spread: FigureUncertainty) -> str:
+    """Return what the tolerances of inputs leave uncertain, half of the 95 % interval as text, and most by which."""
+    most = contributors_text([each._asdict() for each in spread.contributors])
+    return f"  by the inputs' tolerances ± {size} (95 %): {most}"
+
+
 def _uncertainty_row(result: Result, name: str, expanded: float, model: Mapping[str, Any]) -> list[str]:
     value, about = result.performance[name], declared(name, result.performance)
     factor, unit = figure_unit(about, value)
@@ -102,7 +109,7 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     if not figures:
         return [f"model: {model['of']} states no error for any figure of this scene"]
     points = max(figure["points"] for figure in figures.values())
-    missing = list(dict.fromkeys(word for figure in figures.values() for word in figure["not_stated"]))
+    missing = list(_not_stated({name: figure["not_stated"] for name, figure in figures.items()}))
     lines = [f"model: ours less theirs at the {points} points of {model['of']} not used in any fit, E ± 2 u_val"]
     lines[0] += f"; without {', '.join(missing)}, which the source does not state" if missing else ""
     lines[0] += f". {model['citation']}"
@@ -110,6 +117,13 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     inside = "this scene lies within the validated range"
     lines.append(f"warning: outside the validated range, so the error may differ: {'; '.join(out)}" if out else inside)
     return lines
+
+
+def _not_stated(missing: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Yield the parts that a source does not state, with the figure's name where it states them of others."""
+    for word in dict.fromkeys(word for words in missing.values() for word in words):
+        lacking = [shown_name(name) for name, words in missing.items() if word in words]
+        yield word if len(lacking) == len(missing) else f"{word} of {' and '.join(lacking)}"
 
 
 def print_check(scene: Varied, found: Uncertainty) -> None:
