@@ -163,12 +163,45 @@ def test_more_events_than_can_be_unknowns_leave_differences_with_the_reason(monk
     assert "meet seat and stop, or leave them" in found.why
 
 
-def test_a_turn_whose_valves_do_otherwise_than_the_integrated_one_has_no_exact_derivatives(monkeypatch):
-    def without_the_last(life):
-        found = course_of(life)
-        last = max(k for k, event in enumerate(found.events) if event.what == STOPPED and event.rests)
-        return found._replace(angles=found.angles[:last], events=found.events[:last])
+def without_the_last(course):
+    """Leave out when the last reed comes to rest on its stop, and all that follows."""
+    last = max(k for k, event in enumerate(course.events) if event.what == STOPPED and event.rests)
+    return course._replace(angles=course.angles[:last], events=course.events[:last])
 
-    monkeypatch.setattr(collocation, "course_of", without_the_last)
+
+def two_at_once(course):
+    return course._replace(angles=np.append(course.angles[:1], course.angles[:-1]))
+
+
+def never_at_rest(course):
+    return course._replace(begins=(0.0, 0.0))
+
+
+@each_row(
+    ("other", "says"),
+    [
+        (without_the_last, "leaves a residual"),
+        (two_at_once, "at the angle of another event"),
+        (never_at_rest, "at one end of the turn"),
+    ],
+)
+def test_events_that_are_not_those_of_the_cycle_leave_differences_with_the_reason(monkeypatch, other, says):
+    monkeypatch.setattr(collocation, "course_of", lambda life: other(course_of(life)))
     found = scene_derivatives(screwsim.load(AIR), {"operation.speed": 75.0})
-    assert not found.derivatives and found.why
+    assert not found.derivatives
+    assert says in found.why
+
+
+@each_row(("what", "says"), [(STOPPED, "meets its seat or stop"), (LEAVES, "leaves its seat or stop")])
+def test_a_valve_that_passes_where_it_is_held_is_noticed(turn, what, says):
+    """Its states are those of the turn, but it is held as if one event had not been."""
+    pitch = turn.pitch
+    held, k = pitch.modes, [event.what for event in pitch.course.events].index(what)
+    pair = pitch.course.events[k].pair
+    moved, states = held.copy(), turn.nodes.copy()
+    if what == LEAVES:  # it rests on
+        moved[pitch.passed[k] + 1 :, pair] = held[pitch.passed[k], pair]
+    else:  # it flies on
+        states[pitch.passed[k], -1, pitch.machinery.composition.stops[pair][0]] += 1e-3
+    assert says in pitch.laws.missed(moved, states, pitch.numbers)
+    assert pitch.missed(turn.nodes) == ""

@@ -134,7 +134,11 @@ def _collocated(
     seams, course = slices.fixed_edges(machinery, problem.parts), course_of(machinery.trajectory)
     if len(course.events) > MOST_EVENTS:
         raise NotClosed(f"valves meet seat and stop, or leave them, {len(course.events)} times in a turn")
+    if not course.returns:
+        raise NotClosed("a valve rests at one end of the turn and moves at the other")
     seams = np.sort(np.concatenate([seams, course.angles]))
+    if len(course.events) and np.diff(seams).min() <= slices.LEAST:
+        raise NotClosed("a valve meets its seat or stop, or leaves it, at the angle of another event")
     tolerance = fineness.error * ERROR * problem.scene.numerics.accuracy
     tolerance *= (READ_INSIDE if inside else 1.0) * (OF_TURN if machinery.alone else 1.0)
     growth = fineness.ring, fineness.wider * (WIDER_INSIDE if inside else 1.0)

@@ -47,6 +47,11 @@ class Course(NamedTuple):
             found[k + 1 :, event.pair] = event.what if event.rests else MOVES
         return found
 
+    @property
+    def returns(self) -> bool:
+        """Whether what rests at the end of the turn does so at its start, and nothing else."""
+        return tuple(self.modes()[-1].tolist()) == self.begins
+
     def moved(self, angles: Array) -> Self:
         """Return the same events at other angles."""
         return self._replace(angles=angles)

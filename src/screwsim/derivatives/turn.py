@@ -96,7 +96,7 @@ class CollocatedTurn(CollocatedPitch):
         angles[:, -1] -= 2.0 * NUDGE
         return self.machinery.states_at(angles.ravel()).reshape(self.count, NODES, self.N)
 
-    injected = 0
+    injected = 0  # index of the chamber whose cells are set
 
     def begin(self, Y: Array) -> Array:
         """Return the states at the turn's start that follow from its end; set the run-time cells."""
