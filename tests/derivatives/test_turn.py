@@ -163,6 +163,16 @@ def test_more_events_than_can_be_unknowns_leave_differences_with_the_reason(monk
     assert "meet seat and stop, or leave them" in found.why
 
 
+def test_a_reed_that_never_opens_leaves_the_rest_its_derivatives():
+    """Pressed onto its seat it rests for the whole turn: gas comes past the rings alone."""
+    scene = screwsim.load(AIR, [f"{REEDS}.suction_preload=2 kN"])
+    found = sensitivities(scene, ["effects.ring_leakage.gap", f"{REEDS}.suction_mass"], ["gas_mass_flow"])
+    assert set(found.method.values()) == {"exact"}
+    of_rings, of_reed = (found.derivatives["gas_mass_flow"][path] for path in found.values)
+    assert of_rings != 0.0
+    assert of_reed == 0.0
+
+
 def without_the_last(course):
     """Leave out when the last reed comes to rest on its stop, and all that follows."""
     last = max(k for k, event in enumerate(course.events) if event.what == STOPPED and event.rests)

@@ -104,6 +104,7 @@ def injection(pitch: CollocatedPitch, Y: Array) -> tuple[Array, Array]:
             found.append(pitch.injects(y, pitch.numbers))
         states[:, i] = (found[0][0] - found[1][0]) / (2.0 * step * size)
         cells[:, i] = (found[0][1] - found[1][1]) / (2.0 * step * size)
+    states[list(pitch.begin_at_rest)] = 0.0
     return states, cells
 
 

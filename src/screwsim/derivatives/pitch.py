@@ -168,6 +168,11 @@ class CollocatedPitch:
         found[[k + 1 for k in self.passed]] = self.after(Y)
         return found
 
+    @property
+    def begin_at_rest(self) -> Sequence[int]:
+        """The states that start with a value of their own, whatever they end with."""
+        return ()
+
     def open_events(self, Y: Array) -> Array:
         """Return what is open of the condition of each event."""
         return np.empty(0)

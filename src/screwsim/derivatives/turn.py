@@ -14,6 +14,7 @@ from screwsim.derivatives.events import UNIT, Course, Event, EventLaws, hats
 from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.rate_numbers import Changes, LinearEvent, RateNumbers
 from screwsim.derivatives.slices import NODES, between
+from screwsim.model.impacts import MOVES
 from screwsim.model.slots import FREE, P_INJECTION, PHASE, PORT_STATE, PRESSURE
 from screwsim.numerics.history import NUDGE
 
@@ -102,7 +103,17 @@ class CollocatedTurn(CollocatedPitch):
         """Return the states at the turn's start that follow from its end; set the run-time cells."""
         P, TAB, R = self.machinery.composition.P, self.machinery.composition.TAB, self.machinery.R
         self.machinery.module.chamber__inject(self.at_injection(Y), 0, P, TAB, R)
-        return np.array(Y[-1, -1])
+        y = np.array(Y[-1, -1])
+        for (position, speed), mode in zip(self.laws.stops, self.course.begins, strict=True):
+            if mode != MOVES:
+                y[position], y[speed] = 0.5 * (1.0 + mode), 0.0
+        return y
+
+    @property
+    def begin_at_rest(self) -> Sequence[int]:
+        """The states of what rests where the turn starts: it may rest for the whole turn."""
+        pairs = zip(self.laws.stops, self.course.begins, strict=True)
+        return [state for pair, mode in pairs if mode != MOVES for state in pair]
 
     @property
     def injection_slice(self) -> int:
