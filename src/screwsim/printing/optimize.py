@@ -8,7 +8,7 @@ import numpy as np
 from screwsim.figures import declared
 from screwsim.figures.engineering import error_text, figure_text, figure_unit, shown_name
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_text, print_wrapped
 from screwsim.printing.uncertain import by_inputs_line
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
@@ -74,20 +74,20 @@ def print_optimize(found: Optimum) -> None:
     ends = {span.path: (span.low, span.high) for span in asked.spans}
     shown = {path: [shown_value(asked.scene, path, end) for end in both] for path, both in ends.items()}
     ranges = ", ".join(f"{path} {low} … {high}" for path, (low, high) in shown.items())
-    say(wrapped(f"{' and '.join(senses)}{over}, varying {ranges}"))
+    print_text(f"{' and '.join(senses)}{over}, varying {ranges}")
     for bound in asked.bounds:
-        say(wrapped(f"subject to {shown_name(bound.figure)} {bound.sign} {figure_text(bound.figure, bound.value)}"))
+        print_text(f"subject to {shown_name(bound.figure)} {bound.sign} {figure_text(bound.figure, bound.value)}")
     print_wrapped(asked.points.told)
     say()
     if found.status != "ok":
-        say(wrapped(found.message))
+        print_text(found.message)
     elif len(asked.aims) == 1:
         _print_best(found)
     else:
         _print_front(found)
     for count, text in kinds_of(found.warnings.values()):
         of_front = "" if len(found.front) == 1 else f" in {count} of the {len(found.front)}"
-        say(wrapped(f"warning{of_front}: {text}"))
+        print_text(f"warning{of_front}: {text}")
     say()
     print_wrapped(_counts(found))
 
@@ -114,12 +114,12 @@ def _print_best(found: Optimum) -> None:
         _print_points(found)
     for path, reach in found.reach.items():
         if reach.border:
-            say(wrapped(f"{path}: {border_note(reach.border, reach.beyond)}"))
+            print_text(f"{path}: {border_note(reach.border, reach.beyond)}")
         if reach.idle:
-            say(wrapped(f"{path} has hardly any effect: equally good values were found over all of its range"))
+            print_text(f"{path} has hardly any effect: equally good values were found over all of its range")
     for place, height in found.others:
         where = shown_value(asked.scene, asked.spans[0].path, place, 4)
-        say(wrapped(f"another local optimum at {where}: {figure_text(aim.figure, height)}"))
+        print_text(f"another local optimum at {where}: {figure_text(aim.figure, height)}")
 
 
 def _by_inputs(found: Optimum) -> Iterator[str]:
@@ -170,7 +170,7 @@ def _print_front(found: Optimum) -> None:
     some = f"{len(picked)} of the {len(front)}" if len(picked) < len(front) else f"the {len(front)}"
     many = "s" if len(front) > 1 else ""
     error = "error: relative, the largest of the aims"
-    say(wrapped(f"{some} evaluation{many} that no other beats in all aims; {error}"))
+    print_text(f"{some} evaluation{many} that no other beats in all aims; {error}")
 
 
 def evenly_spread(aims: np.ndarray, most: int) -> np.ndarray:

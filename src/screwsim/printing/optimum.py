@@ -8,7 +8,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, figure_text, shown_name
 from screwsim.outputs.display import grouped
-from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_text, print_wrapped
 from screwsim.scene.grid import unit_of
 from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
@@ -41,7 +41,7 @@ def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
     word = "lowest" if asked.minimum else "highest"
     ends = f"{shown_value(scene, asked.path, asked.low)} … {shown_value(scene, asked.path, asked.high)}"
     print_scene_title(scene.title)
-    say(wrapped(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}"))
+    print_text(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}")
     say()
     paths = [path for path in scene.sweep if path != asked.path]
     *heads, sought = column_heads([*paths, asked.path])
@@ -55,7 +55,7 @@ def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
         say()
     print_wrapped(line for note, where in notes.items() for line in _with_places(note, where))
     if any(row.value is not None for row in rows):
-        say(wrapped("as good: range in which the figure is within its estimated error of the best"))
+        print_text("as good: range in which the figure is within its estimated error of the best")
 
 
 def _beside(rows: Sequence[Best]) -> list[str]:

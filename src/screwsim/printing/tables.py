@@ -7,7 +7,7 @@ from typing import Any
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs.customary import with_printed_units
 from screwsim.outputs.display import grouped
-from screwsim.screen import say
+from screwsim.screen import printable, say
 
 WIDTH = 80
 NARROWEST = 12  # least width of a first column that has others beside it
@@ -82,10 +82,15 @@ def column_heads(paths: Sequence[str]) -> list[str]:
     return heads
 
 
+def print_text(text: str, *, err: bool = False) -> None:
+    """Print a text on stdout, or on stderr, in lines that fit, with nothing in it that steers a terminal."""
+    say(wrapped(printable(text)), err=err)
+
+
 def print_wrapped(texts: Iterable[str]) -> None:
     """Print texts in lines that fit, each starting on a new line."""
     for text in texts:
-        say(wrapped(text))
+        print_text(text)
 
 
 def absent_figures(figures: Mapping[str, Any], notes: Mapping[str, str]) -> dict[str, list[str]]:
