@@ -13,7 +13,7 @@ from screwsim.figures.engineering import figure_unit, shown_name
 from screwsim.fluid.constants import gas_constant
 from screwsim.fluid.settings import GasSettings
 from screwsim.outputs import PERFORMANCE, Figure
-from screwsim.outputs.customary import ZERO_CELSIUS
+from screwsim.outputs.customary import RPM, ZERO_CELSIUS
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder, write_csv
 from screwsim.results.protection import protect_other_heads
@@ -56,7 +56,7 @@ IN_METRIC = {  # SI unit: factor, unit
     "h": (1.0 / 3600.0, "h"),  # from s
     "kg m-3": (1.0, "kg/m3"),
     "rad": (180.0 / np.pi, "deg"),
-    "rad s-1": (30.0 / np.pi, "rpm"),
+    "rad s-1": (1.0 / RPM, "rpm"),
     "W s m-3": (1e-3 / 60.0, "kW/(m3/min)"),
     "J m-3": (1e-3, "kJ/m3"),
     KELVIN: (1.0, "K"),
@@ -80,7 +80,7 @@ IN_US = {
     "h": (1.0 / 3600.0, "h"),
     "kg m-3": (CUBIC_FOOT / POUND, "lb/ft3"),
     "rad": (180.0 / np.pi, "deg"),
-    "rad s-1": (30.0 / np.pi, "rpm"),
+    "rad s-1": (1.0 / RPM, "rpm"),
     "W s m-3": (100.0 * CUBIC_FOOT / 60.0 / HORSEPOWER, "hp/(100 cfm)"),
     "J m-3": (CUBIC_FOOT / BTU, "Btu/ft3"),
     KELVIN: (FAHRENHEIT, "F diff"),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import reading_unit, shown_name
+from screwsim.figures.engineering import difference_unit, reading_unit, shown_name
 from screwsim.outputs.customary import digits
 from screwsim.outputs.display import grouped, picked
 from screwsim.printing import write_json
@@ -306,8 +306,7 @@ def _panels(found: Calibration) -> dict[str, list[tuple[int, bool, float, float]
     names = _points_shown(found)
     panels: dict[str, list[tuple[int, bool, float, float]]] = {}
     for figure, of in grouped((each.figure, each) for each in found.compared).items():
-        factor, unit, _ = reading_unit(declared(figure), max(abs(each.measured.value) for each in of))
-        unit = {"%": "points", "°C": "K"}.get(unit, unit)
+        factor, unit = difference_unit(declared(figure), max(abs(each.measured.value) for each in of))
         label = f"{shown_name(figure)} ({unit})" if unit else shown_name(figure)
         panels[label] = []
         for each in of:

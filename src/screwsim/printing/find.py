@@ -16,6 +16,7 @@ from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_value, unit_of_change
 from screwsim.study.seek import VALUE_DIGITS, GoalSeekAnswer, Question
 from screwsim.study.seek.answer import Size
+from screwsim.study.spans import BORDER_MARKS
 from screwsim.study.varied import Varied, leaf_of
 
 MOST_NOTES = 4  # most notes printed
@@ -84,7 +85,7 @@ def _cells(scene: Varied, asked: Question, paths: Sequence[str], row: GoalSeekAn
     ok = row.status == "ok"
     for span in asked.spans:
         shown = shown_value(scene, span.path, row.values[span.path], 5) if row.values else ""
-        mark = {"lower border": " <", "upper border": " >"}.get(row.borders.get(span.path, ""), "")
+        mark = BORDER_MARKS[row.borders.get(span.path, "")]
         cells.append((shown + mark) if ok else row.status)
         if len(asked.spans) == 1:
             cells.append(_difference_text(scene, span.path, row.uncertainties.get(span.path)) if ok else "")

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from screwsim.figures.engineering import figure_text, shown_name
+from screwsim.outputs.customary import RPM
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import WIDTH, print_scene_title, print_table, print_text, print_wrapped, wrapped
 from screwsim.results.atomic import protect_others, write_csv
@@ -20,12 +21,11 @@ if TYPE_CHECKING:
     from screwsim.study.tolerance import ToleranceStudy
 
 TRACES = "startup.csv"
-RPM = 30.0 / math.pi
 FIGURE_ROWS = (
     ("time", "s", 1.0),
     ("turns", "", 1.0),
-    ("end_speed", "rpm", RPM),
-    ("steady_speed", "rpm", RPM),
+    ("end_speed", "rpm", 1.0 / RPM),
+    ("steady_speed", "rpm", 1.0 / RPM),
     ("coupling_torque_peak", "N m", 1.0),
     ("coupling_torque_peak_time", "s", 1.0),
     ("coupling_torque_lowest", "N m", 1.0),

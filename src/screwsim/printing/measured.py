@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import reading_unit, shown_name
+from screwsim.figures.engineering import difference_unit, reading_unit, shown_name
 from screwsim.outputs import Result
 from screwsim.printing.tables import plain_table, print_table, print_text, print_wrapped
 from screwsim.scene import Scene
@@ -51,8 +51,7 @@ def _row(result: Result, row: ComparedFigure) -> list[str]:
 
 def _uncertainty_parts(scene: Varied, result: Result, row: ComparedFigure) -> str:
     """Return the three uncertainties of the scene's own figure, separately."""
-    factor, unit, _ = reading_unit(declared(row.figure, result.performance), row.value)
-    unit = {"%": "points", "°C": "K"}.get(unit, unit)
+    factor, unit = difference_unit(declared(row.figure, result.performance), row.value)
     inputs = f"inputs ± {factor * COVERAGE * row.inputs:.2g}" if tolerances_of(scene).uncertain else "inputs not stated"
     model = "model not stated"
     if row.model is not None:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import error_text, figure_text, figure_unit, shown_name
+from screwsim.figures.engineering import difference_unit, error_text, figure_text, shown_name
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_text, print_wrapped
 from screwsim.printing.uncertain import by_inputs_line
@@ -15,7 +15,7 @@ from screwsim.screen import say
 from screwsim.study.inputs import shown_number, shown_value
 from screwsim.study.optimize import EquallyGoodRange, Optimum
 from screwsim.study.seek import VALUE_DIGITS
-from screwsim.study.spans import LOWER, UPPER, border_note
+from screwsim.study.spans import BORDER_MARKS, border_note, idle_note
 
 MOST_FRONT_ROWS = 12  # most rows of a front printed; all are in the file
 MOST_REASONS = 3  # most reasons for failed evaluations
@@ -98,7 +98,7 @@ def _print_best(found: Optimum) -> None:
     rows = []
     for path, value in found.values.items():
         reach = found.reach[path]
-        mark = {LOWER: " <", UPPER: " >"}.get(reach.border, "")
+        mark = BORDER_MARKS[reach.border]
         rows.append([path, shown_value(asked.scene, path, value, VALUE_DIGITS) + mark, _reach(found, path, reach)])
     print_table(["", "best", "as good"], rows, 1)
     value, error = found.aims[row, 0], found.errors[row, 0]
@@ -116,7 +116,7 @@ def _print_best(found: Optimum) -> None:
         if reach.border:
             print_text(f"{path}: {border_note(reach.border, reach.beyond)}")
         if reach.idle:
-            print_text(f"{path} has hardly any effect: equally good values were found over all of its range")
+            print_text(idle_note(path))
     for place, height in found.others:
         where = shown_value(asked.scene, asked.spans[0].path, place, 4)
         print_text(f"another local optimum at {where}: {figure_text(aim.figure, height)}")
@@ -126,11 +126,11 @@ def _by_inputs(found: Optimum) -> Iterator[str]:
     """Yield how far the inputs' tolerances move the aim and bounded figures of the best, and what has no part in it."""
     for name, spread in found.by_inputs.items():
         value = found.points[0].result.performance[name]
-        factor, unit = figure_unit(declared(name), value)
+        factor, unit = difference_unit(declared(name), value)
         if name != found.asked.aims[0].figure:
             yield f"{shown_name(name)} {figure_text(name, value)}"
         if spread.standard:
-            yield by_inputs_line(f"{factor * spread.expanded:.2g} {'points' if unit == '%' else unit}".strip(), spread)
+            yield by_inputs_line(f"{factor * spread.expanded:.2g} {unit}".strip(), spread)
     if found.message:
         yield found.message
 

@@ -14,7 +14,7 @@ from screwsim.screen import say
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.inputs import shown_number, shown_value
 from screwsim.study.optimum import Best, Question
-from screwsim.study.spans import LOWER, UPPER, border_note
+from screwsim.study.spans import BORDER_MARKS, LOWER, UPPER, border_note, idle_note
 from screwsim.study.varied import Varied, leaf_of
 
 MOST_PLACES = 3  # points that a note names; of more it names the first
@@ -69,7 +69,7 @@ def _cells(scene: Varied, asked: Question, paths: Sequence[str], row: Best, besi
         return [*head, row.status, "", "", "", *("" for _ in beside), "", str(row.solutions)]
     number, unit = engineering(asked.figure, row.figure)
     low, high = (shown_number(scene, asked.path, end) for end in (row.low, row.high))
-    mark = {LOWER: " <", UPPER: " >"}.get(row.place or "", "")
+    mark = BORDER_MARKS.get(row.place or "", "")
     place = [shown_value(scene, asked.path, row.value, 4) + mark, f"{low} … {high}", f"{number} {unit}".strip()]
     error = f"{row.error / abs(row.figure):.0e}" if row.figure else ""
     others = ["" if (value := row.beside.get(name)) is None else figure_text(name, value) for name in beside]
@@ -89,7 +89,7 @@ def _notes(scene: Varied, asked: Question, row: Best) -> Iterator[str]:
     elif row.beyond:
         yield f"at the edge of the values that have a solution: {row.beyond}"
     if row.place == "anywhere":
-        yield f"{asked.path} has hardly any effect: equally good values were found over all of its range"
+        yield idle_note(asked.path)
     for value, figure in row.others:
         shown = figure_text(asked.figure, figure)
         yield f"another local optimum at {shown_value(scene, asked.path, value, 4)}: {shown}"

@@ -5,8 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import figure_text, figure_unit, shown_name
-from screwsim.outputs import EFFICIENCY
+from screwsim.figures.engineering import difference_unit, figure_text, shown_name
 from screwsim.outputs.derivatives import DIFFERENCES, PACKAGE_FIGURES
 from screwsim.outputs.display import grouped, picked
 from screwsim.printing.tables import print_scene_title, print_table, print_text, print_wrapped
@@ -78,8 +77,8 @@ def _head(shares: FigureIndices) -> str:
     mean = figure_text(shares.figure, shares.mean)
     if shares.message:
         return f"{name}: {mean}, {shares.message}"
-    factor, unit = figure_unit(declared(shares.figure), shares.mean)
-    deviation = f"{factor * shares.deviation:.2g} {'points' if unit == '%' else unit}".rstrip()
+    factor, unit = difference_unit(declared(shares.figure), shares.mean)
+    deviation = f"{factor * shares.deviation:.2g} {unit}".rstrip()
     text = f"{name}: mean {mean}, standard deviation {deviation}"
     if shares.noise is not None and shares.noise > LARGEST_NOISE_SHARE:
         text += f"; numerical errors may cause {shares.noise:.0%} of the variance (tighten numerics.accuracy)"
@@ -164,10 +163,7 @@ def effect_sentence(scene: Varied, found: Sensitivities, figure: str, path: str)
     """Return in words the effect of a round change of a number on a figure: '1 um … = -0.14 points of …'."""
     change, shown = _round_change(scene, path, found.values[path])
     slope, value = found.derivatives[figure][path], found.result.performance[figure]
-    about = declared(figure, found.result.performance)
-    if about.scale == EFFICIENCY and about.units == "1":
-        return f"{shown} of {path} = {100.0 * slope * change:+.2g} points of {shown_name(figure)}"
-    factor, unit = figure_unit(about, value or 0.0)
+    factor, unit = difference_unit(declared(figure, found.result.performance), value or 0.0)
     return f"{shown} of {path} = {factor * slope * change:+.2g} {unit} of {shown_name(figure)}".replace("  ", " ")
 
 

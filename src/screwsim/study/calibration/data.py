@@ -13,7 +13,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import BadSheet, Row, Sheet, read_sheet
 from screwsim.inputs.textfiles import Unreadable
 from screwsim.outputs import Figure
-from screwsim.outputs.customary import in_celsius
+from screwsim.outputs.customary import RPM, in_celsius
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, leaf_of, lines
 from screwsim.scene.fields import Leaf, leaves_of, unknown_key
@@ -54,7 +54,7 @@ UNITS = {
     "m3": {"m^3": 1.0, "cm^3": 1e-6},
     "m3 s-1": {"m^3/s": 1.0, "m^3/min": 1.0 / 60.0, "m^3/h": 1.0 / 3600.0},
     "rad": {"rad": 1.0, "deg": math.pi / 180.0},
-    "rad s-1": {"rad/s": 1.0, "rpm": math.pi / 30.0},
+    "rad s-1": {"rad/s": 1.0, "rpm": RPM},
     "Hz": {"Hz": 1.0},
 }
 CELSIUS, ZERO = "degC", 273.15
