@@ -18,7 +18,7 @@ from screwsim.results.read import STAGES
 from screwsim.scene import Scene
 from screwsim.scene.grid import joints_of
 from screwsim.scene.operation import QUALITY, SUBCOOLING, SUPERHEAT
-from screwsim.study.map_points import shown_name
+from screwsim.study.map_points import axis_name
 from screwsim.study.performance_map import (
     FORMULA,
     PerformanceMap,
@@ -57,7 +57,7 @@ class Polynomials:
 
     def name(self, one: PerformanceMap) -> str:
         """Return what distinguishes a map from the others, as part of a name: 'speed_308.923'."""
-        return "_".join(f"{shown_name(path)}_{value:.6g}" for path, value in one.values.items())
+        return "_".join(f"{axis_name(path)}_{value:.6g}" for path, value in one.values.items())
 
     @property
     def within(self) -> set[str]:

@@ -13,7 +13,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import STAGES
 from screwsim.scene.fields import FIXED
 from screwsim.study.figures import figure_of
-from screwsim.study.local import Sensitivities, numeric_paths, requested_numbers, size_of
+from screwsim.study.local import Sensitivities, numeric_paths, requested_numbers
 from screwsim.study.stages.axes import BETWEEN, COMMON, LEAVES, SOLVED
 from screwsim.study.stages.solve import Stop, run_stages
 from screwsim.study.stages.uncertain import ChainDerivatives, linear_chain
@@ -21,8 +21,6 @@ from screwsim.study.stages.uncertain import ChainDerivatives, linear_chain
 if TYPE_CHECKING:
     from screwsim.study.stages.read import StageChain
     from screwsim.study.stages.result import ChainResult
-
-STEP = 1e-4  # of a number's size
 
 
 def chain_sensitivities(
@@ -44,10 +42,9 @@ def chain_sensitivities(
     if found.status != "ok":
         return Sensitivities(result)
     wanted = STAGES.keys() & (names or STAGES)
-    steps = {name: STEP * size_of(chain.leaf_of(name), value) for name, value in values.items()}
     try:
         linear = linear_chain(chain, found, values, fine)
-        slopes = ChainDerivatives(linear, steps)
+        slopes = ChainDerivatives(linear, values)
     except Stop as stop:
         raise UsageError(f"no derivatives: {stop}") from None
     return Sensitivities(

@@ -5,8 +5,8 @@ inputs and by the states of its lines, exact wherever those of a scene are; no c
 the stages follows from them: the pressure p is the unknown, and its residual r = ln of the flow that arrives over the
 flow taken (M200), so that an input x moves it by dp/dx = −(∂r/∂x)/(∂r/∂p), the implicit function; temperature and
 vapour behind the first stage follow from its figures and p (M201, M202). Figures of both together are algebra of the
-stages' figures, lines and p: their derivative is a central difference of that algebra along (x, p(x)), over a hundredth
-of the input's standard uncertainty. Inputs of different scenes are independent of each other, but for groups that the
+stages' figures, lines and p: their derivative is a central difference of that algebra along (x, p(x)), over a step
+of the input. Inputs of different scenes are independent of each other, but for groups that the
 file of both names; what the line between both replaces in the scenes has no part in it.
 
 Source: JCGM 100:2008 (GUM), section 5, for the propagation.
@@ -23,7 +23,7 @@ from screwsim.outputs import STAGES, Result
 from screwsim.scene import Scene, lines, value_at
 from screwsim.scene.lines import Lines
 from screwsim.scene.operation import P_D, P_S, QUALITY, T_S
-from screwsim.study.local import Sensitivities, sensitivities
+from screwsim.study.local import Sensitivities, sensitivities, size_of
 from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.figures import StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.solve import ChainSolver, Stop
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from screwsim.study.stages.result import ChainResult
 
 LINE_PATHS = (P_S, T_S, QUALITY, P_D)  # of a stage at the solution, which states its lines by these alone
-INPUT_STEP = 0.01  # of a standard uncertainty
+INPUT_STEP = 1e-4  # of an input's size
 PRESSURE_STEP = 1e-4  # of the pressure between the stages
 Slopes = dict[str, dict[str, float]]  # derivative [SI] of each figure by each input
 
@@ -77,9 +77,7 @@ def chain_uncertainty(chain: StageChain, found: ChainResult) -> tuple[Uncertaint
     if not tolerances.uncertain:
         raise UsageError(NO_TOLERANCE)
     try:
-        linear = linear_chain(chain, found, tolerances.uncertain)
-        values = ((name, each, float(chain.value_at(name))) for name, each in tolerances.uncertain.items())
-        slopes = ChainDerivatives(linear, {name: INPUT_STEP * each.standard_at(value) for name, each, value in values})
+        slopes = ChainDerivatives(linear_chain(chain, found, tolerances.uncertain), tolerances.uncertain)
     except Stop as stop:
         raise UsageError(str(stop)) from None
     return slopes.uncertainty(Result("ok", performance=found.performance), slopes.whole, tolerances), slopes
@@ -125,10 +123,10 @@ class LinearChain:
 class ChainDerivatives:
     """Derivatives of the figures of both together (`whole`) and of each stage, by the inputs at `values` [SI].
 
-    They are differences over the `steps` [SI] of the inputs, but for those that are lost.
+    They are differences over steps of the inputs `names`, but for those that are lost.
     """
 
-    def __init__(self, linear: LinearChain, steps: Mapping[str, float]) -> None:
+    def __init__(self, linear: LinearChain, names: Iterable[str]) -> None:
         self._linear = linear
         self.values: dict[str, float] = {}
         self.whole: Slopes = {}
@@ -136,12 +134,13 @@ class ChainDerivatives:
         step = PRESSURE_STEP * linear.pair.p
         above, below = (linear.at("", 0.0, by)[1].excess for by in (step, -step))
         by_pressure = (above - below) / (2.0 * step)
-        for name in (name for name in steps if name not in linear.lost):
-            self._add(name, steps[name], by_pressure)
+        for name in (name for name in names if name not in linear.lost):
+            self._add(name, by_pressure)
 
-    def _add(self, name: str, step: float, by_pressure: float) -> None:
-        """Add the derivatives by one input over a step [SI]; `by_pressure` is that of the residual [1/Pa]."""
+    def _add(self, name: str, by_pressure: float) -> None:
+        """Add the derivatives by one input; `by_pressure` is that of the residual [1/Pa]."""
         value = self.values[name] = float(self._linear.chain.value_at(name))
+        step = INPUT_STEP * size_of(self._linear.chain.leaf_of(name), value)
         above, below = (self._linear.at(name, value + by, 0.0)[1].excess for by in (step, -step))
         dp = -(above - below) / (2.0 * by_pressure)  # over the step
         (up, high), (down, low) = (self._linear.at(name, value + way * step, way * dp) for way in (1.0, -1.0))
