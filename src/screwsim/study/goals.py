@@ -7,6 +7,7 @@ from typing import NamedTuple
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY
+from screwsim.outputs.us_units import POUND
 from screwsim.scene import Scene
 from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.units import NUMBER, gauge_pressures_over, parse_quantity, refused_at, tidy_unit
@@ -14,7 +15,6 @@ from screwsim.study.calibration.data import CELSIUS, UNITS, ZERO, quantity_of
 from screwsim.study.figures import figure_of
 from screwsim.study.varied import Varied
 
-POUND = 0.45359237  # [kg], exact
 MORE_UNITS = {
     "W": {"MW": 1e6},
     "kg s-1": {"t/h": 1.0 / 3.6, "lb/min": POUND / 60.0, "lb/h": POUND / 3600.0},
