@@ -9,7 +9,7 @@ from screwsim.derivatives import driven
 from screwsim.scene import with_values
 from screwsim.scene.fields import value_at
 from screwsim.simulate import simulate
-from screwsim.study.local import sensitivities
+from screwsim.study.uncertainty.point import sensitivities
 
 DRIVES = Path(__file__).parents[2] / "configs" / "drive"
 FIGURES = ("gas_mass_flow", "shaft_power", "isentropic_efficiency", "coupling_torque_amplitude", "speed_ripple")

@@ -78,7 +78,18 @@ def test_heat_that_is_pushed_back_beyond_what_the_vapour_takes_leaves_and_is_tol
     brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.economizer_heat_loss
     assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
     assert p.economizer_heat_loss > 0.005 * p.shaft_power
-    assert any("open the port later" in warning for warning in found.warnings)
+    assert any(warning.endswith("(close the port earlier)") for warning in found.warnings)
+
+
+@pytest.mark.parametrize("backflow", ["given_away", "evaporates"])
+def test_the_balance_closes_where_an_economizer_gets_more_gas_than_it_gives(backflow):
+    """What the chambers leave there reaches the evaporator as liquid: it costs the heat of its condensing."""
+    port = "effects.economizer={temperature: 5 degC, opens: 470 deg, closes: 560 deg, area: 2 cm^2}"
+    changes = [port, f"effects.economizer.backflow={backflow}", "numerics.error=none"]
+    p = simulate(load(CONFIGS / "r134a" / "separator.yaml", changes), trace=False).performance
+    assert p.economizer_mass_flow < -0.01 * p.gas_mass_flow and p.economizer_capacity_gain < 0.0
+    brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.economizer_heat_loss
+    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
 
 
 def test_an_ideal_gas_without_a_separator_gives_off_what_it_left_the_chambers_with():

@@ -22,7 +22,8 @@ from screwsim.study.calibration.hypotheses import NO_CHANGE
 from screwsim.study.calibration.machine import unchanged_fit
 from screwsim.study.calibration.pair_likelihood import normal_about
 from screwsim.study.calibration.profile import LinearLikelihood, linear_likelihood, whitener
-from screwsim.study.local import Sensitivities
+from screwsim.study.pool.progress import CountingProgress
+from screwsim.study.uncertainty.slopes import Sensitivities
 
 pytestmark = pytest.mark.around
 
@@ -198,6 +199,13 @@ def test_a_likely_change_is_solved_again_at_its_estimate(tmp_path):
     gap = by_path(asked(tmp_path, points(lambda n: 2.0 + 2.0 * n), squared))[GAP]
     assert gap.linear == "" and gap.value == pytest.approx(1e-5 * np.sqrt(10.0), rel=0.05) and gap.misfit < 20.0
     assert gap.also == ()
+
+
+def test_progress_counts_points_and_then_hypotheses_that_are_solved(tmp_path):
+    shown = CountingProgress()
+    begun, shown.start = [], lambda cases, reused: begun.append(cases)
+    asked(tmp_path, points(lambda n: 8.0 + 2.0 * n), pairs=0.0, progress=shown)
+    assert begun == [6, 2]
 
 
 def squared(scene):
@@ -455,7 +463,7 @@ def test_a_temperature_is_in_degrees_celsius_and_its_change_in_kelvins(tmp_path,
 def test_a_diagnosis_goes_on_without_an_input_that_has_no_derivative_and_says_so(tmp_path, monkeypatch, capsys):
     """It refused the whole question."""
     ratio, lost = "oil_supply.ratio", Sensitivities(Result("ok"), left_out={"oil_supply.ratio": "too hot"})
-    monkeypatch.setattr("screwsim.study.uncertain.sensitivities", lambda *asked, **more: lost)
+    monkeypatch.setattr("screwsim.study.uncertainty.point.sensitivities", lambda *asked, **more: lost)
     certain = asked(tmp_path, points(lambda n: 6.0 + 2.0 * n))
     scene = screwsim.loads(SCENE).with_({**UNCHANGED, ratio: "3 ± 10 %"}).text
     (tmp_path / "machine.yaml").write_text(scene, encoding="utf-8")

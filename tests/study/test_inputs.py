@@ -6,7 +6,7 @@ from screwsim.figures.engineering import error_text, figure_text
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import load, with_values
-from screwsim.study.inputs import check_fit, in_customary, read_text, shown_number, shown_value, unit_of_change
+from screwsim.study.asked.inputs import check_fit, in_customary, read_text, shown_number, shown_value, unit_of_change
 
 CONDENSING = "operation.condensing_temperature"
 

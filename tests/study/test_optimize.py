@@ -20,15 +20,15 @@ from screwsim.printing.optimize import optimize_document, print_optimize
 from screwsim.results.table import table_of
 from screwsim.scene import loads, with_values
 from screwsim.simulate import simulate as simulated
+from screwsim.study.best.optimum import optimum
+from screwsim.study.best.optimum import question as of_optimum
 from screwsim.study.optimize import optimize, question, run_question
 from screwsim.study.optimize.evaluate import weighted_mean
 from screwsim.study.optimize.points import BIN_HOURS, as_csv, energy_shares, load_at, read_points, standards
 from screwsim.study.optimize.record import Record, nearest_neighbour_order
 from screwsim.study.optimize.solve import front_of
 from screwsim.study.optimize.store import held_parts
-from screwsim.study.optimum import optimum
-from screwsim.study.optimum import question as of_optimum
-from screwsim.study.parallel import BatchWorkers
+from screwsim.study.pool.parallel import BatchWorkers
 
 RATIO, SPEED = "oil_supply.ratio=1..3", "operation.speed=1000 rpm..5000 rpm"
 FIG1 = Path(__file__).parents[2] / "configs" / "paper" / "fig1.yaml"
@@ -251,8 +251,8 @@ def test_workers_that_have_left_leave_no_thread_beside_which_none_is_forked():
 
 @pytest.mark.around
 def test_a_long_run_keeps_few_bytes_of_an_evaluation_in_memory(monkeypatch, tmp_path):
-    monkeypatch.setattr("screwsim.study.shards.BYTES_IN_MEMORY", 100_000)
-    monkeypatch.setattr("screwsim.study.shards.MOST_SMALL_PARTS", SMALL_PARTS)
+    monkeypatch.setattr("screwsim.study.sweep.shards.BYTES_IN_MEMORY", 100_000)
+    monkeypatch.setattr("screwsim.study.sweep.shards.MOST_SMALL_PARTS", SMALL_PARTS)
     asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=EVALUATIONS)
     batch, generator, sizes = 100, np.random.default_rng(1), []
     tracemalloc.start()

@@ -10,11 +10,11 @@ from screwsim import simulate
 from screwsim.cli import exit_code
 from screwsim.printing.calibration import calibration_document, print_calibration
 from screwsim.scene import load, value_at, with_values
-from screwsim.study import uncertain
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration import other_inputs as other_inputs_module
 from screwsim.study.calibration.answers import Posterior
 from screwsim.study.calibration.other_inputs import errors_by_inputs, other_inputs
+from screwsim.study.uncertainty import point
 
 pytestmark = pytest.mark.around
 
@@ -103,7 +103,7 @@ def test_a_posterior_says_what_it_takes_as_exact(fit_file):
 
 def test_an_input_without_a_derivative_at_one_point_is_in_no_shift_and_named(fit_file, monkeypatch, capsys):
     """The fit lost the shifts by all inputs."""
-    original = uncertain.sensitivities
+    original = point.sensitivities
 
     def lost_at_720_rpm(scene, paths, *asked, **more):
         found = original(scene, paths, *asked, **more)
@@ -113,7 +113,7 @@ def test_an_input_without_a_derivative_at_one_point_is_in_no_shift_and_named(fit
         return replace(found, values=values, left_out={WALL: "failed: too hot"})
 
     whole = calibrate(read_fit(fit_file), jobs=2)
-    monkeypatch.setattr(uncertain, "sensitivities", lost_at_720_rpm)
+    monkeypatch.setattr(point, "sensitivities", lost_at_720_rpm)
     found = calibrate(read_fit(fit_file), jobs=1)
     assert (found.status, found.message, found.shifts) == ("ok", "", whole.shifts[:1])
     ((path, why),) = found.left_out.items()

@@ -15,7 +15,6 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.printing.plan import plan_document, print_plan
 from screwsim.scene import loads
-from screwsim.study import local
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.fit import Measurement, Point, Prior
 from screwsim.study.calibration.machine import PointShifts, inputs_of, known_everywhere, point_shifts
@@ -30,8 +29,9 @@ from screwsim.study.calibration.plan import (
     typical_uncertainties,
 )
 from screwsim.study.calibration.profile import whitener
-from screwsim.study.local import Sensitivities
-from screwsim.study.uncertain import groups_of
+from screwsim.study.uncertainty import slopes
+from screwsim.study.uncertainty.slopes import Sensitivities
+from screwsim.study.uncertainty.spreads import groups_of
 
 ROOT = Path(__file__).parents[2]
 GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
@@ -169,7 +169,7 @@ def test_an_input_without_a_derivative_at_one_point_is_left_out_at_all_and_named
     scene = loads(SCENE.replace("gap: 50 um", "gap: 50 um ± 10 um") + "\n")
     path, point = "effects.tip_leakage.gap", Point("first", {}, {"shaft_power": Measurement(1e3, 10.0)})
     known = Sensitivities(Result("ok"), left_out={path: "failed: too hot"})
-    monkeypatch.setattr("screwsim.study.uncertain.sensitivities", lambda *asked, **more: known)
+    monkeypatch.setattr("screwsim.study.uncertainty.point.sensitivities", lambda *asked, **more: known)
     lost = point_shifts(scene, point, [(path,)])
     assert lost.left_out == {path: "at first: failed: too hot"}
     there = PointShifts({path: np.ones(1), "oil.heat_capacity": np.ones(1)}, {})
@@ -182,7 +182,7 @@ def test_a_plan_goes_on_without_an_input_that_has_no_derivative_and_says_so(tmp_
     scene = SCENE.replace("gap: 50 um}", "gap: 50 um}\n  interlobe_leakage: {gap: 50 um ± 10 um, length: 130 mm}")
     fit, path = read_fit(write_fit(tmp_path, FIT, POINTS, scene), fixed=False), "effects.interlobe_leakage.gap"
     monkeypatch.setattr(
-        "screwsim.study.uncertain.sensitivities",
+        "screwsim.study.uncertainty.point.sensitivities",
         lambda *asked, **more: Sensitivities(Result("ok"), left_out={path: "failed: too hot"}),
     )
     found = plan(fit, candidates_of(fit, paths=[SPEEDS]), count=2, jobs=1, simulate=plane)
@@ -256,9 +256,9 @@ def test_all_inputs_of_a_point_are_derived_at_once_and_it_is_solved_once(monkeyp
     result, groups, calls = screwsim.simulate(scene), groups_of(scene), []
     alone = [point_shifts(scene, point, [group]).of([group])[0] for group in groups]
     for name in ("scene_derivatives", "simulate"):
-        own = getattr(local, name)
+        own = getattr(slopes, name)
         monkeypatch.setattr(
-            local, name, lambda *of, _own=own, _name=name, **more: calls.append(_name) or _own(*of, **more)
+            slopes, name, lambda *of, _own=own, _name=name, **more: calls.append(_name) or _own(*of, **more)
         )
     together = point_shifts(scene, point, groups, result).of(groups)
     assert calls == ["scene_derivatives"]

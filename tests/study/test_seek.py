@@ -13,10 +13,10 @@ import screwsim
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene import loads, value_at, with_values
-from screwsim.study.goals import read_bounds, read_figure, read_goals
-from screwsim.study.local import Sensitivities
+from screwsim.study.asked.goals import read_bounds, read_figure, read_goals
 from screwsim.study.scene_files import write_found
 from screwsim.study.seek import find, find_each, question
+from screwsim.study.uncertainty.slopes import Sensitivities
 from screwsim.template import new_scene, request_of
 
 SPEED = "operation.speed"
@@ -256,6 +256,13 @@ def test_a_wrong_question_is_refused_in_one_line(vary, goals, message):
         ("specific_power", "6.5 kW/(m³/min)", 6.5 * 60e3),
         ("shaft_power", "100 hp", 100.0 * 550.0 * 0.3048 * 0.45359237 * 9.80665),  # 550 ft lbf/s
         ("gas_mass_flow", "30 lb/min", 30.0 * 0.45359237 / 60.0),
+        (
+            "specific_power",
+            "20 hp/(100 cfm)",
+            20.0 * 550.0 * 0.3048 * 0.45359237 * 9.80665 / (100.0 * 0.3048**3 / 60.0),
+        ),
+        ("gas_mass_flow", "1500 lb/h", 1500.0 * 0.45359237 / 3600.0),
+        ("gas_mass_flow", "25 lb/min", 25.0 * 0.45359237 / 60.0),
         ("displacement_flow", "700 ft^3/min", 700.0 * 0.3048**3 / 60.0),
         ("peak_pressure", "100 psi", 100.0 * 0.45359237 * 9.80665 / 0.0254**2),
         ("discharge_temperature", "194 degF", 363.15),
@@ -352,7 +359,7 @@ def test_an_input_without_a_derivative_is_left_out_of_what_the_others_do_and_nam
     known = Sensitivities(Result("ok"), {SPEED: 100.0, gap: 50e-6}, derivatives=slopes, left_out={ratio: "too hot"})
     performance = Figures(gas_mass_flow=1.2)
     known = replace(known, result=Result("ok", performance=performance))
-    monkeypatch.setattr("screwsim.study.uncertain.sensitivities", lambda *asked, **more: known)
+    monkeypatch.setattr("screwsim.study.uncertainty.point.sensitivities", lambda *asked, **more: known)
     found = find(tolerant, [RANGE], ["gas_mass_flow=1.2 kg/s"], simulate=saturating)
     assert found.by_inputs[SPEED].standard == pytest.approx(2e3 * 5e-6 / 1e-3)
     assert found.message == f"the tolerance of {ratio} is not included in the uncertainties: too hot"

@@ -17,9 +17,10 @@ from screwsim.outputs import Figures, Result
 from screwsim.scene.fields import leaves_of
 from screwsim.scene.model_errors import stored_model_errors
 from screwsim.study.datasheet.stages_points import points_sheet
-from screwsim.study.stages import points, read_stages, run_stages, solve
-from screwsim.study.stages.points import KeptPoints, sweep_stages
+from screwsim.study.stages import read_stages, run_stages, solve
 from screwsim.study.stages.result import ChainResult, figures_of_both
+from screwsim.study.sweep import stages as points
+from screwsim.study.sweep.stages import KeptPoints, sweep_stages
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import scene_dict, two_stages
@@ -312,6 +313,10 @@ def test_an_axis_of_the_other_way_to_state_the_lines_is_refused(plant, tmp_path,
     assert "has no meaning where the scene states saturation temperatures" in told and remedy in told
 
 
-def test_gauge_pressures_of_a_sweep_are_over_one_ambient_pressure(plant, capsys):
-    assert exit_code(["sweep", str(plant()), "--set", "second.operation.ambient_pressure=0.8 bar"]) == 3
-    assert "the scenes have two" in " ".join(capsys.readouterr().err.split())
+def test_a_sweep_over_two_ambient_pressures_takes_no_gauge_pressures_and_all_else(plant, capsys):
+    high = "second.operation.ambient_pressure=0.8 bar"
+    assert read_stages(plant(), [high]).sweep
+    path = plant(sweep={"second.operation.discharge.pressure": ["7 bar(g)", "8 bar"]})
+    assert exit_code(["sweep", str(path), "--set", high]) == 3
+    told = capsys.readouterr().err.split(":", 3)[3]
+    assert told.startswith(" sweep.second.operation.discharge.pressure: '7 bar(g)' is a gauge pressure (write the abs")

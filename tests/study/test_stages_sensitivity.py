@@ -15,13 +15,13 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene import with_values
-from screwsim.study.measured import compare_measured, read_measured
+from screwsim.study.asked.spans import read_ranges
 from screwsim.study.seek.by_inputs import uncertainties_by_inputs
-from screwsim.study.sensitivity import sensitivity
-from screwsim.study.spans import read_ranges
 from screwsim.study.stages import read_stages, run_stages, solve
-from screwsim.study.stages.local import chain_sensitivities
 from screwsim.study.stages.result import figures_of_both
+from screwsim.study.uncertainty.measured import compare_measured, read_measured
+from screwsim.study.uncertainty.sobol import sensitivity
+from screwsim.study.uncertainty.stages import chain_sensitivities
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import two_stages
@@ -155,7 +155,7 @@ def test_a_known_solution_of_both_is_not_solved_again(plant, monkeypatch):
     by_inputs, why = uncertainties_by_inputs(read_stages(path), solution, {SECOND: 1300.0 * RPM}, ["shaft_power"])
     assert by_inputs[SECOND].standard > 0.0 and why == ""
     measured = read_measured(read_stages(path), [f"shaft_power={0.9 * solution.performance.shaft_power} W ± 1 %"])
-    monkeypatch.setattr("screwsim.study.measured._solved", lambda *asked: ([], {}))
+    monkeypatch.setattr("screwsim.study.uncertainty.measured._solved", lambda *asked: ([], {}))
     assert compare_measured(read_stages(path), solution, measured).why == ""
 
 

@@ -9,9 +9,9 @@ import screwsim
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene.fields import value_at
-from screwsim.study import solving
-from screwsim.study.sampled import checked_by_sample, drawn_inputs
-from screwsim.study.uncertain import uncertainty
+from screwsim.study.pool import solving
+from screwsim.study.uncertainty.point import uncertainty
+from screwsim.study.uncertainty.sampled import checked_by_sample, drawn_inputs
 
 POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 SPEED, VOLUME, GAP = "operation.speed", "machine.volume.max", "effects.tip_leakage.gap"

@@ -17,7 +17,7 @@ from screwsim.scene import Scene, load, with_values
 from screwsim.scene.lines import lines
 from screwsim.scene.model_errors import RATIO, SPEED
 from screwsim.simulate import simulate_many
-from screwsim.study.uncertain import conditions_of
+from screwsim.study.uncertainty.model_error import conditions_of
 from screwsim.study.validation import (
     Comparison,
     NotRun,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from screwsim.export.inputs import Input
     from screwsim.export.map_table import MapTable
     from screwsim.export.polynomials import Polynomials
-    from screwsim.study.varied import Varied
+    from screwsim.study.asked.varied import Varied
 
 app = typer.Typer(
     help="Write files for other tools: FMU, maps for system simulation, rotor loads.",
@@ -69,7 +69,7 @@ def _announce_tespy(scene: Varied, inputs: Sequence[Input]) -> None:
 
 
 def _announce_map(scene: Varied, inputs: Sequence[Input]) -> None:
-    from screwsim.study.inputs import shown_range
+    from screwsim.study.asked.inputs import shown_range
 
     ranges = []
     for one in inputs:
@@ -231,6 +231,13 @@ def tespy(
     with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_tespy) as results:
         document = tespy_document(results)
     rows = [(each["at"], [each["largest_error"][name] for name in FIGURES]) for each in document["maps"]]
+    errors = [tuple(each["errors_by_dissipation_ratio"].values()) for each in document["maps"]]
+    kelvin, heat = map(max, zip(*errors, strict=True))
+    typer.echo(
+        "export: TESPy loses one share of the power as heat at all points of a map; that puts the temperature of the "
+        f"leaving gas up to {kelvin:.2g} K off, the condenser's heat up to {100.0 * heat:.2g} %",
+        err=True,
+    )
     if any(sum(each["dissipation_ratio_range"]) < 0.0 for each in document["maps"]):
         why = "TESPy ignores heat added to the gas, e.g. by a motor, so its discharge temperature is too low"
         typer.echo(f"export: {why} (dissipation_ratio_range: as a share of the power)", err=True)

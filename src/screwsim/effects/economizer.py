@@ -205,7 +205,8 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
     none = "the economizer cools no liquid"
     found[DRAW] = evaporating / wanted if wanted > 0.0 else none
     settled = parameters.is_open and abs(evaporating - wanted) <= SETTLED * wanted  # what is left open is not a loss
-    found[GAIN] = (wanted if settled else max(0.0, min(evaporating, wanted))) / q_0
+    condensing = max(-ratio, 0.0) * (vapour - h_c)  # gas that stays comes back from the evaporator as liquid
+    found[GAIN] = ((wanted if settled else max(0.0, min(evaporating, wanted))) - condensing) / q_0
     return found
 
 
@@ -214,7 +215,7 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
     flow = found.get("economizer_mass_flow") or 0.0
     if flow < 0.0:
         what = f"{-flow:.3g} kg/s flow from the chambers back into the economizer, whose vapour is held at its pressure"
-        yield f"{what} (open the port earlier, or raise effects.economizer.temperature or .pressure)"
+        yield f"{what} (close the port earlier, or raise effects.economizer.temperature or .pressure)"
     ratio = found.get(DRAW) or 0.0
     if ratio > 1.0 + DRAWN_TOO_MUCH:
         what = f"the economizer's port draws {ratio:.3g} times the vapour that the liquid gives off"
@@ -222,11 +223,8 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
     loss, power = found.get(HEAT_LOSS) or 0.0, abs(found.get("shaft_power") or 0.0)
     if loss > GIVEN_TOO_MUCH * power > 0.0:
         what = f"gas that chambers push back into the economizer loses {loss:.3g} W there, {100.0 * loss / power:.2g} %"
-        remedy = (
-            f"open the port later, or write effects.{NAME}.backflow: {EVAPORATES}, which keeps the heat that the "
-            "liquid takes up"
-        )
-        yield f"{what} of the shaft power ({remedy})"
+        keeps = f", or write effects.{NAME}.backflow: {EVAPORATES}, which keeps the heat that the liquid takes up"
+        yield f"{what} of the shaft power (close the port earlier{keeps if ratio >= 0.0 else ''})"
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -11,8 +11,8 @@ from screwsim.fluid.composition import is_blend
 from screwsim.outputs.us_units import BTU, POUND
 from screwsim.scene.operation import SUBCOOLING
 from screwsim.scene.units import ZERO_CELSIUS
-from screwsim.study.performance_map import COEFFICIENT_NAMES, PerformanceMap
-from screwsim.study.varied import names_of
+from screwsim.study.maps.performance_map import COEFFICIENT_NAMES, PerformanceMap
+from screwsim.study.stages.axes import names_of
 
 FIGURES = ("cooling_capacity", "shaft_power", "gas_mass_flow")
 OPTIONAL_FIGURES = ("electrical_power", "heating_capacity")  # included where a result has them

@@ -21,8 +21,8 @@ from screwsim.scene import Scene, lines
 from screwsim.scene.derived_values import SPEED
 from screwsim.scene.grid import case, case_count, joints_of
 from screwsim.scene.operation import EVAPORATING, SUBCOOLING
-from screwsim.study.performance_map import temperature_paths
-from screwsim.study.varied import Varied
+from screwsim.study.asked.varied import Varied
+from screwsim.study.maps.performance_map import temperature_paths
 
 FIGURES = ("isentropic_efficiency", "volumetric_efficiency")
 SEPARATOR = "separator_temperature"
@@ -119,6 +119,7 @@ def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
     superheat = found.superheat(one)
     shares = dissipated_share(results, found.fluid, superheat, cases)
     _refuse_other_machine(results, _sucked(results, found.fluid, superheat, cases), shares, cases)
+    share = max(float(np.mean(shares)), 0.0)  # TESPy accepts none below 0
     eta_s, eta_v = (one.fits[name] for name in FIGURES)
     reference = {
         "T_sh": superheat,
@@ -131,7 +132,7 @@ def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
         "attributes": {
             "eta_s_poly": list(eta_s.coefficients),
             "eta_vol_poly": list(eta_v.coefficients),
-            "dissipation_ratio": max(float(np.mean(shares)), 0.0),  # TESPy accepts none below 0
+            "dissipation_ratio": share,
             "reference_state": reference,
         },
         "frequency": frequency,
@@ -140,6 +141,7 @@ def _map(results: Results, found: Polynomials, number: int) -> dict[str, Any]:
         "leaves_at": leaving_temperature_figure(results),
         "largest_error": {name: one.fits[name].largest for name in FIGURES},
         "dissipation_ratio_range": [float(shares.min()), float(shares.max())],
+        "errors_by_dissipation_ratio": _errors_of_share(results, found.fluid, superheat, cases, share),
     }
 
 
@@ -172,6 +174,26 @@ def dissipated_share(results: Results, fluid: str, superheat: float, cases: np.n
             raise UsageError(f"{results.path}: {what} (use warmer oil or less liquid, or export en12900)") from None
         shares.append(1.0 - figures["gas_mass_flow"][i] * (h2 - h1) / figures["shaft_power"][i])
     return np.array(shares)
+
+
+def _errors_of_share(
+    results: Results, fluid: str, superheat: float, cases: np.ndarray, share: float
+) -> dict[str, float]:
+    """Return the largest errors that one share of the power [1], lost at all points, makes of the gas behind it.
+
+    Of its temperature [K], and of the condenser's heat, relative.
+    """
+    figures = {name: results.performance[name].ravel()[cases] for name in _NEEDED}
+    leaves = results.performance[leaving_temperature_figure(results)].ravel()[cases]
+    kept = (1.0 - share) * figures["shaft_power"]
+    sucked = np.array([h for h, _, _ in _sucked(results, fluid, superheat, cases)])
+    ends = zip(figures["discharge_pressure"], sucked + kept / figures["gas_mass_flow"], strict=True)
+    warm = np.array([_property("T", "P", p, "H", h, fluid) for p, h in ends])
+    heat = (figures["cooling_capacity"] + kept) / figures["heating_capacity"]
+    return {
+        leaving_temperature_figure(results): float(np.max(np.abs(warm - leaves))),
+        "heating_capacity": float(np.max(np.abs(heat - 1.0))),
+    }
 
 
 def _property(*asked: Any) -> float:

@@ -1,9 +1,13 @@
-"""Units of the United States in SI, exact by definition; the Btu of the International Table (NIST SP 811, B.8)."""
+"""US customary units in SI, exact by definition (NIST Special Publication 811, appendix B)."""
 
-FOOT, INCH, POUND = 0.3048, 0.0254, 0.45359237  # [m], [m], [kg]
-POUND_FORCE = POUND * 9.80665  # [N]
-HORSEPOWER = 550.0 * FOOT * POUND_FORCE  # [W]
-PSI = POUND_FORCE / INCH**2  # [Pa]
-CFM = FOOT**3 / 60.0  # [m³/s], a cubic foot per minute
+FOOT = 0.3048  # [m]
+INCH = FOOT / 12.0  # [m]
+CUBIC_FOOT = FOOT**3  # [m³]
 GALLON = 231.0 * INCH**3  # [m³]
-BTU = 2326.0 * POUND  # [J]
+CFM = CUBIC_FOOT / 60.0  # [m³/s], cubic foot per minute
+POUND = 0.45359237  # [kg]
+POUND_FORCE = POUND * 9.80665  # [N]
+PSI = POUND_FORCE / INCH**2  # [Pa]
+HORSEPOWER = 550.0 * FOOT * POUND_FORCE  # [W]
+BTU = 2326.0 * POUND  # [J], of the International Table
+TON = 12000.0 * BTU / 3600.0  # [W], of refrigeration

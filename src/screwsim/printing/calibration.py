@@ -19,14 +19,14 @@ from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.protection import protect_other_json, protect_other_text
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
+from screwsim.study.asked.inputs import in_customary, shown_number, shown_value
 from screwsim.study.calibration.fit import TOLERANCE_REMEDY, Parameter, Prior
 from screwsim.study.calibration.hypotheses import LEAST_CHANCE, chance_of_misfit
 from screwsim.study.calibration.identifiability import CORRELATED, WEAK_VALUE
 from screwsim.study.calibration.other_inputs import errors_by_inputs
 from screwsim.study.calibration.solve import Calibration, ComparedMeasurement
-from screwsim.study.inputs import in_customary, shown_number, shown_value
 from screwsim.study.scene_files import FITTED_LINE, fitted_text
-from screwsim.study.uncertain import not_included
+from screwsim.study.uncertainty.spreads import not_included
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
 _HALF_INTERVAL = "taken as half of a 95 % interval, two standard deviations (prior: none omits it)"

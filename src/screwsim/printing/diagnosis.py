@@ -7,6 +7,7 @@ from typing import Any
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_text, print_wrapped
 from screwsim.screen import say
+from screwsim.study.asked.inputs import CELSIUS, in_customary, shown_number, shown_value, unit_of_change
 from screwsim.study.calibration.diagnosis import Diagnosis
 from screwsim.study.calibration.hypotheses import (
     INTERVAL_LEVEL,
@@ -17,8 +18,7 @@ from screwsim.study.calibration.hypotheses import (
     Hypothesis,
 )
 from screwsim.study.calibration.identifiability import BOUND_DISTANCE
-from screwsim.study.inputs import CELSIUS, in_customary, shown_number, shown_value, unit_of_change
-from screwsim.study.uncertain import not_included
+from screwsim.study.uncertainty.spreads import not_included
 
 NOTHING_CHANGED = "nothing changed"
 ANY_VALUE = "any"  # value of a parameter about which the points say almost nothing

@@ -12,12 +12,12 @@ from screwsim.printing.tables import column_heads, print_scene_title, print_tabl
 from screwsim.printing.uncertain import by_inputs_line
 from screwsim.scene.grid import unit_of
 from screwsim.screen import say
+from screwsim.study.asked.inputs import shown_value, unit_of_change
+from screwsim.study.asked.spans import BORDER_MARKS
+from screwsim.study.asked.varied import Varied, leaf_of
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.inputs import shown_value, unit_of_change
 from screwsim.study.seek import VALUE_DIGITS, GoalSeekAnswer, Question
 from screwsim.study.seek.answer import Size
-from screwsim.study.spans import BORDER_MARKS
-from screwsim.study.varied import Varied, leaf_of
 
 MOST_NOTES = 4  # most notes printed
 OTHER_FIGURES = (  # for a single answer, shown beside the figures sought

@@ -12,10 +12,10 @@ from screwsim.printing.tables import column_heads, print_scene_title, print_tabl
 from screwsim.printing.uncertain import by_inputs_line
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
-from screwsim.study.inputs import shown_number, shown_value
+from screwsim.study.asked.inputs import shown_number, shown_value
+from screwsim.study.asked.spans import BORDER_MARKS, border_note, idle_note
 from screwsim.study.optimize import EquallyGoodRange, Optimum
 from screwsim.study.seek import VALUE_DIGITS
-from screwsim.study.spans import BORDER_MARKS, border_note, idle_note
 
 MOST_FRONT_ROWS = 12  # most rows of a front printed; all are in the file
 MOST_REASONS = 3  # most reasons for failed evaluations

@@ -15,10 +15,11 @@ from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder
 from screwsim.results.protection import first_line
 from screwsim.scene import Scene
 from screwsim.screen import say
-from screwsim.study.calibration.data import CELSIUS, UNCERTAINTY_SUFFIX, units_of
+from screwsim.study.asked.figure_units import CELSIUS, units_of
+from screwsim.study.asked.inputs import in_customary, unit_of_change
+from screwsim.study.calibration.data import UNCERTAINTY_SUFFIX
 from screwsim.study.calibration.plan import Plan, point_name
-from screwsim.study.inputs import in_customary, unit_of_change
-from screwsim.study.uncertain import not_included
+from screwsim.study.uncertainty.spreads import not_included
 
 MOST_DEVIATIONS = 6  # most points for which the table shows the deviations
 

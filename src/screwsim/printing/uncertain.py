@@ -18,10 +18,10 @@ from screwsim.printing.tables import plain_table, print_scene_title, print_table
 from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.read import Results
 from screwsim.screen import say
+from screwsim.study.asked.varied import Varied
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.sampled import rounding
-from screwsim.study.uncertain import COVERAGE, FigureUncertainty, Uncertainty
-from screwsim.study.varied import Varied
+from screwsim.study.uncertainty.sampled import rounding
+from screwsim.study.uncertainty.spreads import COVERAGE, FigureUncertainty, Uncertainty
 
 MOST_FIGURES = 3
 EFFICIENCY_SUFFIX = "efficiency"

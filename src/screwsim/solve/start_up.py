@@ -241,7 +241,7 @@ class StartUpRun:
                 status = OK if unsettled == 0 else NOT_CLOSED
                 return self._ended(status, "" if unsettled == 0 else f"{unsettled} pitches did not settle")
             if m.time[-1] > self.longest:
-                text = f"after {m.time[-1]:.4g} s the speed is {_rpm(mean)}, not yet the steady {_rpm(target)}"
+                text = f"after {m.time[-1]:.4g} s a pitch has a mean of {_rpm(mean)}, not yet the steady {_rpm(target)}"
                 return self._ended(
                     FAILED, f"{text} (choose a larger motor, a smaller load, or a longer time with --longest)"
                 )

@@ -6,11 +6,11 @@ are known as far as priors and the scene's tolerances say, with the same errors 
 by exact slopes at the unchanged machine; the likely ones are solved again at their best estimates.
 """
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -45,9 +45,11 @@ from screwsim.study.calibration.profile import (
     whitener,
 )
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
-from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import Progress
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.workers import WORKER_DIED
+
+Mapped = Callable[..., list[Any]]  # `parallel_map` with its workers and its progress
 
 PRIOR_UNCHANGED = 0.5  # prior probability that nothing changed; the others share the rest
 PRIOR_PAIR_ODDS = 0.1  # prior odds of two changes at once against one
@@ -203,7 +205,7 @@ def diagnose(
     groups, left_out = known_everywhere(groups, (answer.shifts for answer in known))
     linear = _linearised(replace(asked, points=tuple(solved)), before, known, groups, priors, simulate)
     odds = pairs if len(fit.parameters) > 1 else 0.0
-    judged = _judged(linear, unchanged, odds, jobs)
+    judged = _judged(linear, unchanged, odds, partial(parallel_map, jobs=jobs, progress=progress))
     ranked = tuple(sorted(judged.hypotheses, key=lambda hypothesis: -hypothesis.probability))
     return Diagnosis(
         fit,
@@ -271,7 +273,7 @@ def _linearised(
     return LinearMachine(fit, simulate, before, fit.places(before), white, residuals, (white @ slopes).T)
 
 
-def _judged(machine: LinearMachine, unchanged: float, odds: float, jobs: int | None) -> Judgement:
+def _judged(machine: LinearMachine, unchanged: float, odds: float, mapped: Mapped) -> Judgement:
     """Return all hypotheses, judged by slopes, the likely ones solved again; see `diagnose`."""
     pairs = zip(machine.start, machine.slopes, strict=True)
     by_slopes = [linear_likelihood(place, machine.residuals, slopes) for place, slopes in pairs]
@@ -284,10 +286,10 @@ def _judged(machine: LinearMachine, unchanged: float, odds: float, jobs: int | N
     likely = [i for rank, i in enumerate(ranked) if rank < LEAST_SINGLES or chances[i] > LIKELY_PROBABILITY]
     while True:
         call = partial(solved_likelihood, machine, likely)
-        solved |= dict(zip(likely, parallel_map(call, len(likely), died=lambda number: None, jobs=jobs), strict=True))
+        solved |= dict(zip(likely, mapped(call, len(likely), died=lambda number: None), strict=True))
         singles = [solved.get(i) or linear for i, linear in enumerate(by_slopes)]
         prior = prior._replace(singles=tuple(single.log_evidence for single in singles))
-        doubles = _pair_likelihoods(machine, singles, prior, jobs)
+        doubles = _pair_likelihoods(machine, singles, prior, mapped)
         spent += doubles.values()
         hypotheses = _hypotheses(machine, singles, doubles, set(solved), prior)
         best = max(hypotheses, key=lambda hypothesis: hypothesis.probability)
@@ -309,7 +311,7 @@ def solved_likelihood(machine: LinearMachine, likely: Sequence[int], number: int
 
 
 def _pair_likelihoods(
-    machine: LinearMachine, singles: Sequence[Single], prior: PriorOdds, jobs: int | None
+    machine: LinearMachine, singles: Sequence[Single], prior: PriorOdds, mapped: Mapped
 ) -> dict[tuple[int, int], PairLikelihood]:
     """Return the likelihoods of all pairs, the likely ones solved; none where the odds of pairs are zero."""
     if not prior.odds > 0.0:
@@ -329,7 +331,7 @@ def _pair_likelihoods(
         if not guesses:
             break
         call = partial(solved_pair, machine.fit, machine.white, machine.simulate, guesses)
-        answers = parallel_map(call, len(guesses), died=lambda number: None, jobs=jobs)
+        answers = mapped(call, len(guesses), died=lambda number: None)
         found |= {pair: double for (pair, _), double in zip(guesses, answers, strict=True) if double}
         tried |= {pair for pair, _ in guesses}
     return found

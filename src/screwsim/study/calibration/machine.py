@@ -18,8 +18,9 @@ from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Point
 from screwsim.study.calibration.residuals import Array, Simulate
-from screwsim.study.solving import simulator
-from screwsim.study.uncertain import groups_of, slopes_by_inputs
+from screwsim.study.pool.solving import simulator
+from screwsim.study.uncertainty.point import slopes_by_inputs
+from screwsim.study.uncertainty.spreads import groups_of
 
 Group = tuple[str, ...]  # paths of correlated inputs, one or more
 

@@ -17,9 +17,9 @@ from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.identifiability import active_bounds
 from screwsim.study.calibration.machine import Group, PointShifts, groups_without, known_everywhere, point_shifts
 from screwsim.study.calibration.residuals import Array, Residuals
-from screwsim.study.parallel import parallel_map
-from screwsim.study.uncertain import groups_of
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.workers import WORKER_DIED
+from screwsim.study.uncertainty.spreads import groups_of
 
 
 class InputShift(NamedTuple):

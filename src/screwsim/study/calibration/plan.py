@@ -25,6 +25,8 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
 from screwsim.scene import Scene, cross_check
+from screwsim.study.asked.inputs import shown_value
+from screwsim.study.asked.spans import Span, read_ranges
 from screwsim.study.calibration.data import odd_uncertainty
 from screwsim.study.calibration.fit import Fit, Measurement, Point, prior_of
 from screwsim.study.calibration.machine import (
@@ -41,11 +43,9 @@ from screwsim.study.calibration.machine import (
     unchanged_fit,
 )
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
-from screwsim.study.inputs import shown_value
-from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import Progress
-from screwsim.study.spans import Span, read_ranges
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.workers import WORKER_DIED
 
 UNIFORM_INFORMATION = 12.0  # one over the variance of a uniform distribution on 0 … 1
 COUNT, LEVELS = 3, 4  # points to choose; values per range

@@ -13,16 +13,16 @@ import numpy as np
 from screwsim.inputs.faults import Interrupted
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_text
+from screwsim.study.asked.inputs import shown_value
 from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
 from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
 from screwsim.study.calibration.machine import prepare
 from screwsim.study.calibration.other_inputs import InputShift, input_shifts
 from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Residuals, Simulate, reasons_of
-from screwsim.study.inputs import shown_value
-from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import Progress
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.workers import WORKER_DIED
 
 PROBABILITY = 0.6827  # of the joint region of the free parameters within which fits count as equally good
 MOST_STEPS = 40  # steps per round of a start

@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from screwsim.outputs import customary
-from screwsim.outputs.us_units import BTU, CFM, FOOT, GALLON, HORSEPOWER, INCH, POUND, POUND_FORCE, PSI
+from screwsim.outputs.us_units import BTU, CFM, FOOT, GALLON, HORSEPOWER, INCH, POUND, POUND_FORCE, PSI, TON
 from screwsim.scene.types import STANDARD_ATMOSPHERE
 from screwsim.scene.units import ZERO_CELSIUS
 
 HOUR, MINUTE = 3600.0, 60.0  # [s]
-TON = 12000.0 * BTU / HOUR  # [W] of refrigeration
 
 
 class Measure(NamedTuple):

@@ -14,25 +14,26 @@ from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
 from screwsim.scene import SceneLike
-from screwsim.study.goals import Bound
-from screwsim.study.inputs import check_fit, shown_value
+from screwsim.study.asked.goals import Bound
+from screwsim.study.asked.inputs import check_fit, shown_value
+from screwsim.study.asked.spans import LOWER, UPPER, read_spans, refusal_beyond
+from screwsim.study.asked.varied import Varied, with_text, with_values
+from screwsim.study.best.search import Maximum
 from screwsim.study.optimize.evaluate import SimulatedPoint, simulated
 from screwsim.study.optimize.points import OperatingPoints
 from screwsim.study.optimize.question import Aim, Question, question
 from screwsim.study.optimize.record import Record
 from screwsim.study.optimize.solve import front_of, search
 from screwsim.study.optimize.store import held_parts, write
-from screwsim.study.parallel import BatchWorkers, WarmSimulation
-from screwsim.study.progress import Progress, progress_of
-from screwsim.study.search import Maximum
+from screwsim.study.pool.parallel import BatchWorkers, WarmSimulation
+from screwsim.study.pool.progress import Progress, progress_of
+from screwsim.study.pool.solving import Simulate, simulator
+from screwsim.study.pool.tally import Place, Tally
+from screwsim.study.pool.workers import cores
 from screwsim.study.seek import rounded
-from screwsim.study.solving import Simulate, simulator
-from screwsim.study.spans import LOWER, UPPER, read_spans, refusal_beyond
 from screwsim.study.stages import scene_or_stages
-from screwsim.study.tally import Place, Tally
-from screwsim.study.uncertain import FigureUncertainty, figures_by_inputs
-from screwsim.study.varied import Varied, with_text, with_values
-from screwsim.study.workers import cores
+from screwsim.study.uncertainty.point import figures_by_inputs
+from screwsim.study.uncertainty.spreads import FigureUncertainty
 
 __all__ = ["Aim", "EquallyGoodRange", "Optimum", "Question", "optimize", "question", "run_question", "spans_of"]
 

@@ -11,20 +11,20 @@ from screwsim.inputs.faults import UsageError
 from screwsim.scene import SceneLike, case_count, case_values
 from screwsim.scene.grid import with_sweep_over
 from screwsim.scene.units import gauge_pressures_over
-from screwsim.study.figures import figure_of
-from screwsim.study.goals import Goal, of_ambient, read_figure, read_goals
-from screwsim.study.inputs import check_fit, read_text, shown_value
-from screwsim.study.parallel import WarmSimulation, parallel_map
-from screwsim.study.progress import Progress, progress_of
+from screwsim.study.asked.figures import figure_of
+from screwsim.study.asked.goals import Goal, of_ambient, read_figure, read_goals
+from screwsim.study.asked.inputs import check_fit, read_text, shown_value
+from screwsim.study.asked.spans import Span, read_spans
+from screwsim.study.asked.varied import Varied, case, with_text, with_values
+from screwsim.study.pool.parallel import WarmSimulation, parallel_map
+from screwsim.study.pool.progress import Progress, progress_of
+from screwsim.study.pool.solving import Simulate, simulator
+from screwsim.study.pool.workers import WORKER_DIED
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.answer import GoalSeekAnswer, answer_of_trials, next_size, read_catalogue
 from screwsim.study.seek.by_inputs import uncertainties_by_inputs
 from screwsim.study.seek.trials import ReportedSimulation, Trial, Trials
-from screwsim.study.solving import Simulate, simulator
-from screwsim.study.spans import Span, read_spans
 from screwsim.study.stages import scene_or_stages
-from screwsim.study.varied import Varied, case, with_text, with_values
-from screwsim.study.workers import WORKER_DIED
 
 __all__ = ["GoalSeekAnswer", "Question", "find", "find_each", "question"]
 

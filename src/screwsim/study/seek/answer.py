@@ -12,13 +12,13 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.scene.units import NUMBER
-from screwsim.study.goals import Goal
-from screwsim.study.inputs import read_text, shown_range, shown_value, unit_behind
+from screwsim.study.asked.goals import Goal
+from screwsim.study.asked.inputs import read_text, shown_range, shown_value, unit_behind
+from screwsim.study.asked.spans import LOWER, UPPER, Span
+from screwsim.study.asked.varied import Varied
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.trials import Trial, Trials
-from screwsim.study.spans import LOWER, UPPER, Span
-from screwsim.study.uncertain import FigureUncertainty
-from screwsim.study.varied import Varied
+from screwsim.study.uncertainty.spreads import FigureUncertainty
 
 SAME_SIZE = 1e-9  # relative difference below which a size equals the value
 BOUND_DISTANCE = 1e-6  # of a range: distance from its end that counts as at the end

@@ -13,8 +13,9 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.study.uncertain import FigureUncertainty, not_included, slopes_by_inputs, spreads_of, tolerances_of
-from screwsim.study.varied import Varied
+from screwsim.study.asked.varied import Varied
+from screwsim.study.uncertainty.point import slopes_by_inputs
+from screwsim.study.uncertainty.spreads import FigureUncertainty, not_included, spreads_of, tolerances_of
 
 LARGEST_CONDITION = 1e12  # of the slopes of figures, each times its value over theirs: beyond it the goals contradict
 

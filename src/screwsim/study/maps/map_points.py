@@ -1,0 +1,168 @@
+"""A compressor map evaluated at points: values of its polynomials at temperatures inside its envelope."""
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from screwsim.effects import catalogue
+from screwsim.inputs.arguments import NUMBER, as_list, checked_arguments
+from screwsim.inputs.faults import UsageError
+from screwsim.results import Results, open_results
+from screwsim.results.read import STAGES
+from screwsim.scene.fields import leaf_paths, unknown_key
+from screwsim.scene.units import ZERO_CELSIUS, refused_at
+from screwsim.scene.values import convert
+from screwsim.study.maps.performance_map import PerformanceMap, performance_maps, temperature_paths
+from screwsim.study.maps.short_names import short_name
+
+EXAMPLE = '--at "evaporating_temperature=0 degC, condensing_temperature=40 degC"'
+SAME_VALUE = 1e-9  # relative difference within which values of other axes are the same
+
+
+class MapPoint(NamedTuple):
+    """A map at one point: the temperatures [K], the values of its other axes [SI], its figures [SI]."""
+
+    evaporating_temperature: float
+    condensing_temperature: float
+    values: Mapping[str, Any]
+    figures: Mapping[str, float]
+
+
+@checked_arguments(evaporating_temperature=NUMBER, condensing_temperature=NUMBER)
+def evaluate_map(
+    results: Results | str | os.PathLike[str],
+    evaporating_temperature: float,
+    condensing_temperature: float,
+    figures: Sequence[str] = (),
+    **others: Any,
+) -> dict[str, float]:
+    """Return figures [SI] of a sweep's map at evaporating and condensing temperature [K].
+
+    If the sweep has other axes, `others` gives their values [SI] by the last word of their paths (speed=309.0), of
+    two stages in series with the stage in front where both have such an input (second_speed=136.0). Raises UsageError
+    outside the envelope, where the polynomial does not hold.
+    """
+    of = results if isinstance(results, Results) else open_results(results)
+    maps = performance_maps(of, tuple(as_list(figures)))
+    asked = {_axis(of, name): value for name, value in others.items()}
+    return dict(evaluated_at(maps, (evaporating_temperature, condensing_temperature), asked).figures)
+
+
+def points_at(results: Results, maps: Sequence[PerformanceMap], texts: Sequence[str]) -> list[MapPoint]:
+    """Return the map at points written as NAME=VALUE, NAME=VALUE; raise UsageError in one line."""
+    found = []
+    for text in texts:
+        try:
+            found.append(evaluated_at(maps, *_read(results, text)))
+        except UsageError as fault:
+            raise UsageError(f"--at {text}: {fault}") from None
+    return found
+
+
+def evaluated_at(
+    maps: Sequence[PerformanceMap], temperatures: tuple[float, float], asked: Mapping[str, Any]
+) -> MapPoint:
+    """Return the one map selected by values [SI] of its other axes at both temperatures [K]; raise UsageError."""
+    T_e, T_c = map(float, temperatures)
+    within = [axis_name(path) for path in asked if path not in maps[0].values]
+    if within:
+        raise UsageError(f"{within[0]} varies together with a temperature in this sweep (leave it out)")
+    fitting = [one for one in maps if all(_is_same_value(one.values[path], value) for path, value in asked.items())]
+    if len(fitting) != 1:
+        raise UsageError(_choose(maps, fitting))
+    (one,) = fitting
+    if one.message:
+        raise UsageError(f"there is no map: {one.message}")
+    S, D = T_e - ZERO_CELSIUS, T_c - ZERO_CELSIUS
+    if not one.inside(S, D):
+        corners = ", ".join(f"({s:g}, {d:g})" for s, d in one.envelope)
+        what = f"({S:.6g}, {D:.6g}) °C lies outside the envelope {corners} °C, where the polynomial says nothing"
+        raise UsageError(f"{what} (choose a point inside, or a sweep that reaches it)")
+    found = {figure: float(one.evaluate(figure, S, D)) for figure in one.fits}
+    return MapPoint(T_e, T_c, one.values, found)
+
+
+def _is_same_value(own: Any, asked: Any) -> bool:
+    """Return whether a map's value is the requested one."""
+    if isinstance(own, str) or isinstance(asked, str):
+        return own == asked
+    return bool(np.isclose(float(own), float(asked), rtol=SAME_VALUE, atol=0.0))
+
+
+def _choose(maps: Sequence[PerformanceMap], fitting: Sequence[PerformanceMap]) -> str:
+    """Return the message that no map has the requested values, or that several do, with the maps available."""
+    paths = list(maps[0].values)
+    there = [", ".join(f"{path} = {_digits(one.values[path])}" for path in paths) for one in maps]
+    which = f"there are maps at {'; '.join(there)} in SI units"
+    if fitting:
+        names = " and ".join(map(axis_name, paths))
+        return f"there are {len(fitting)} maps of it (state {names} as well, e.g. {_stated(fitting[0])}; {which})"
+    return f"there is no map for it ({which})"
+
+
+def _stated(one: PerformanceMap) -> str:
+    """Return the values [SI] of a map's other axes as they are asked for: 'position=0'."""
+    return ", ".join(f"{axis_name(path)}={_digits(value)}" for path, value in one.values.items())
+
+
+def axis_name(path: str) -> str:
+    """Return the last word of a path; of two stages the short name, as both may have that word."""
+    return short_name(path) if path.startswith(STAGES) else path.rpartition(".")[2]
+
+
+def _digits(value: Any) -> str:
+    return value if isinstance(value, str) else f"{float(value):.10g}"
+
+
+def _axis(results: Results, name: str) -> str:
+    """Return the path of an axis given in full, by its short name or its last word.
+
+    Raise UsageError with the available axes.
+    """
+    paths = list(results.varied)
+    same = [path for path in paths if name in (path, short_name(path))]
+    same = same or [path for path in paths if name == path.rpartition(".")[2]]
+    if len(same) == 1:
+        return same[0]
+    if same:
+        raise UsageError(f"{name} is short for {' and for '.join(same)} (write the one that is meant in full)")
+    options = paths if "." in name else [axis_name(path) for path in paths]
+    one_of = f"one of {', '.join(options)}"
+    raise UsageError(f"{name} {unknown_key(name, options, one_of)}")
+
+
+def _read(results: Results, text: str) -> tuple[tuple[float, float], dict[str, Any]]:
+    """Return both temperatures [K] of a text NAME=VALUE, NAME=VALUE, and its other values [SI]; raise UsageError."""
+    asked: dict[str, Any] = {}
+    for part in text.split(","):
+        name, equals, value = (each.strip() for each in part.partition("="))
+        if not (equals and name and value):
+            raise UsageError(f"is not NAME=VALUE, NAME=VALUE (write e.g. {EXAMPLE})")
+        path = _axis(results, name)
+        if path in asked:
+            raise UsageError(f"{name} is given twice (remove one)")
+        asked[path] = _value(path, value, bool(results.stages))
+    both = temperature_paths(bool(results.stages))
+    missing = [path for path in both if path not in asked]
+    if missing:
+        raise UsageError(f"does not state {missing[0].rpartition('.')[2]} (write e.g. {EXAMPLE})")
+    T_e, T_c = (asked.pop(path) for path in both)
+    return (T_e, T_c), asked
+
+
+def _value(path: str, text: str, two: bool) -> Any:
+    """Return a value [SI] of an axis, of two stages with its stage before the path; a text where it is no number."""
+    known = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
+    if two:
+        from screwsim.study.stages.axes import BETWEEN, LEAVES
+
+        known = {f"{stage}.{name}": leaf for stage in STAGES for name, leaf in known.items()}
+        known |= {f"{BETWEEN}.{name}": leaf for name, leaf in LEAVES.items()}
+    leaf = known.get(path)
+    try:
+        with refused_at(path):
+            return convert(leaf, text) if leaf is not None and leaf.dimension is not None else float(text)
+    except ValueError:
+        return text  # a word, such as a fluid
