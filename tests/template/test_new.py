@@ -2,6 +2,7 @@
 
 import csv
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -390,6 +391,16 @@ def test_the_first_lines_say_what_lambda_and_eta_rest_on():
     assert "53 % (a twin screw of 2 kW)" in head("expander")
     for kind in ("refrigeration", "booster", "expander"):
         assert "screwsim validate templates" in head(kind)
+
+
+def test_small_ammonia_machines_have_more_oil_as_the_page_says():
+    page = (ROOT / "docs" / "how-to" / "new-machine.md").read_text(encoding="utf-8")
+    told = re.search(r"ammonia has ([\d.]+) kg/kg\s+at 100 m³/h, and ([\d.]+) at 600 m³/h", page)
+    asked = ({"fluid": "Ammonia", "condition": "0/70 degC", "displacement": f"{flow} m^3/h"} for flow in (100, 600))
+    assert told is not None
+    assert [scene_of("refrigeration", **each).oil_supply.ratio for each in asked] == [
+        float(each) for each in told.groups()
+    ]
 
 
 def test_a_diameter_states_the_size_in_place_of_a_displacement():
