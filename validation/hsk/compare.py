@@ -7,10 +7,21 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from screwsim.outputs import Result
 from screwsim.scene import Scene, load, loads, value_at, with_values
 from screwsim.simulate import simulate
 from screwsim.study.calibration import read_fit
-from screwsim.study.validation import Comparison, NotRun, Panel, Row, Series, equal, sibling
+from screwsim.study.validation import (
+    Comparison,
+    NotRun,
+    Panel,
+    Row,
+    Series,
+    ValidationPoint,
+    compared,
+    equal,
+    sibling,
+)
 from screwsim.template import new_scene, request_of
 
 rated = sibling(Path(__file__).parent / "ratings.py")
@@ -58,10 +69,16 @@ UNITS = {"gap": (1e6, "µm"), "area": (1e6, "mm²"), "clearance": (1e6, "cm³"),
 
 
 class Found(NamedTuple):
-    """A rating, and both figures of ours at its conditions."""
+    """A rating, the scene at its conditions and its result."""
 
     rating: rated.Rating
-    ours: Mapping[str, float]
+    scene: Scene
+    result: Result
+
+    @property
+    def ours(self) -> Mapping[str, float]:
+        """Both figures of ours."""
+        return {name: float(self.result.performance[name]) for name in FIGURES}
 
     def theirs(self, figure: str) -> float:
         """Return the figure of the source."""
@@ -80,10 +97,21 @@ def found(scene: Scene, ratings: Sequence[rated.Rating]) -> list[Found]:
     """Return both figures at every rating whose cycle closes: uncooled oil gets too hot for its data at one."""
     results = []
     for one in ratings:
-        result = simulate(with_values(scene, dict(one.values)), trace=False)
+        here = with_values(scene, dict(one.values))
+        result = simulate(here, trace=False)
         if result.status == "ok":
-            results.append(Found(one, {name: float(result.performance[name]) for name in FIGURES}))
+            results.append(Found(one, here, result))
     return results
+
+
+def deviations(machine: str, found: Sequence[Found], fitted: Sequence[str] = ()) -> Iterator[ValidationPoint]:
+    """Yield both figures at each rating for the model error; λ of the source is as uncertain as its speed."""
+    for each in found:
+        one, theirs = each.rating, {figure: each.theirs(figure) for figure in FIGURES}
+        to_fit = one.frequency == FULL and one.name in fitted
+        stated = {"volumetric_efficiency": 0.5 * rated.LAMBDA * theirs["volumetric_efficiency"]}
+        name = f"{one.model}, {one.name} °C, {one.frequency:g} Hz"
+        yield from compared(machine, name, each.scene, each.result, theirs, stated=stated, fitted=to_fit)
 
 
 def resized(here: Path, scene: Scene) -> Scene:
@@ -159,11 +187,12 @@ def compare(here: Path) -> Comparison:
     by_model: dict[str, list[rated.Rating]] = {}
     for one in rated.ratings(here):
         by_model.setdefault(one.model, []).append(one)
-    rows, sizes, before = [], [], []
+    rows, sizes, before, written = [], [], [], []
     for model, ratings in by_model.items():
         flow = ratings[0].displacement
         scene, full = new(flow), [one for one in ratings if one.frequency == FULL]
         points = found(scene, ratings)
+        written += deviations("screw_r134a", points)
         name = f"new, {flow} m³/h ({model})"
         rows += farthest(f"{name}, {FULL:g} Hz", [e for e in points if e.rating.frequency == FULL], NEW, TAKEN)
         if any(one.frequency == SLOW for one in ratings):
@@ -180,6 +209,7 @@ def compare(here: Path) -> Comparison:
         ABOUT,
         [*rows, *fit_rows(here, predicted, rated.FITTED), *sizes],
         tuple(panels(before, predicted, rated.FITTED_MODEL)),
+        [*deviations("hsk", predicted, rated.FITTED), *written],
     )
 
 
