@@ -33,6 +33,8 @@ def rotors(
     else:
         say(text)
         options.print_files(files)
+    if folder is not None:
+        options.tell_left(folder, files, "curves/*_face_*.csv", "table/*_leakage.csv", "table/blow_hole.csv")
 
 
 def plot(
