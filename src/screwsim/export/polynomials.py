@@ -18,7 +18,7 @@ from screwsim.results.read import STAGES
 from screwsim.scene import Scene
 from screwsim.scene.grid import joints_of
 from screwsim.scene.operation import QUALITY, SUBCOOLING, SUPERHEAT
-from screwsim.study.map_points import shown_name
+from screwsim.study.map_points import place_in_words, shown_name
 from screwsim.study.performance_map import (
     FORMULA,
     PerformanceMap,
@@ -58,6 +58,10 @@ class Polynomials:
     def name(self, one: PerformanceMap) -> str:
         """Return what distinguishes a map from the others, as part of a name: 'speed_308.923'."""
         return "_".join(f"{shown_name(path)}_{value:.6g}" for path, value in one.values.items())
+
+    def titled(self, one: PerformanceMap, alone: str) -> str:
+        """Return the name of a map and where it is, with units: 'speed_308.923 (operation.speed = 2950 rpm)'."""
+        return f"{self.name(one)} ({place_in_words(one.values)})" if one.values else alone
 
     @property
     def within(self) -> set[str]:
