@@ -23,7 +23,7 @@ import screwsim
 from screwsim.scene import Scene, load, with_values
 from screwsim.scene.fields import value_at
 from screwsim.simulate import simulate
-from screwsim.study.inputs import read_text
+from screwsim.study.asked.inputs import read_text
 
 ROOT = Path(__file__).resolve().parent.parent
 FIGURES = {"gas_mass_flow": "kg/s", "shaft_power": "W", "discharge_temperature": "degC"}

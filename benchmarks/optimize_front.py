@@ -22,8 +22,8 @@ import screwsim
 from screwsim.study.optimize import question, run_question
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record
-from screwsim.study.parallel import BatchWorkers
-from screwsim.study.workers import cores
+from screwsim.study.pool.parallel import BatchWorkers
+from screwsim.study.pool.workers import cores
 
 HERE = Path(__file__).parent
 CONFIGS = HERE.parent / "configs"

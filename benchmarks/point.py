@@ -23,7 +23,7 @@ from screwsim.cycle.problem import problem_of
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate, simulate_many
 from screwsim.solve.accurately import solve
-from screwsim.study.coolprop_back_end import machinery_with_coolprop
+from screwsim.study.accuracy.coolprop_back_end import machinery_with_coolprop
 
 ROOT = Path(__file__).resolve().parent.parent
 CONFIGS = ROOT / "configs"

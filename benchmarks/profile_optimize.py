@@ -20,8 +20,8 @@ from tempfile import TemporaryDirectory
 import screwsim
 from screwsim.inputs.faults import UsageError
 from screwsim.study.optimize import Optimum, question, run_question, spans_of
-from screwsim.study.progress import Progress
-from screwsim.study.workers import cores
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.workers import cores
 
 SCENE = Path(__file__).resolve().parent.parent / "configs" / "r134a" / "compact.yaml"
 PROFILES = (

@@ -26,7 +26,7 @@ from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.solving import scene_derivatives
 from screwsim.scene import Scene, load
 from screwsim.simulate import simulate
-from screwsim.study.local import numeric_paths
+from screwsim.study.uncertainty.slopes import numeric_paths
 
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ("configs/paper/point.yaml", "configs/r134a/point.yaml")

@@ -26,7 +26,7 @@ from screwsim.model.turn_scheduler import scheduler
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import simulate, simulate_many
 from screwsim.simulate import warm_up as alone
-from screwsim.study.cases import LONG_BLOCK_CASES
+from screwsim.study.sweep.cases import LONG_BLOCK_CASES
 
 PLAIN = Path(__file__).resolve().parent.parent / "tests" / "plain" / "r134a.yaml"
 POINTS = 8 * LONG_BLOCK_CASES

@@ -23,9 +23,9 @@ from screwsim.batch import warm_up as beside
 from screwsim.codegen.modules import for_speed
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import warm_up
-from screwsim.study.cases import blocks_of
-from screwsim.study.progress import Progress
-from screwsim.study.sweep import default_simulate_many, no_warm_up, run_sweep
+from screwsim.study.pool.progress import Progress
+from screwsim.study.sweep.cases import blocks_of
+from screwsim.study.sweep.run import default_simulate_many, no_warm_up, run_sweep
 
 ROOT = Path(__file__).resolve().parent.parent
 FIG1 = ROOT / "configs" / "paper" / "fig1.yaml"

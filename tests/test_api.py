@@ -18,8 +18,8 @@ from screwsim.results import open_results
 from screwsim.results.write import save
 from screwsim.scene import with_values
 from screwsim.scene.write import yaml_text
-from screwsim.study.progress import OverwrittenLine, Progress, for_program
-from screwsim.study.sweep import run_sweep
+from screwsim.study.pool.progress import OverwrittenLine, Progress, for_program
+from screwsim.study.sweep.run import run_sweep
 
 POINT = Path(__file__).parents[1] / "configs" / "paper" / "point.yaml"
 MACHINE = {
@@ -171,7 +171,7 @@ def test_a_run_is_one_row(tmp_path, result):
 
 
 def test_studies_take_what_is_at_hand(monkeypatch, tmp_path):
-    monkeypatch.setattr("screwsim.study.optimum.simulator", lambda warm=None: made)
+    monkeypatch.setattr("screwsim.study.best.optimum.simulator", lambda warm=None: made)
     (best,) = screwsim.optimum(GIVEN, "operation.speed", "shaft_power", low="1000 rpm", high="2000 rpm", jobs=1)
     assert (best.status, best.place) == ("ok", "upper border")
     with pytest.raises(screwsim.UsageError, match="Dataset is not a results file"):
@@ -253,7 +253,7 @@ def unwanted(*_, **__):
 
 
 def test_derivatives_cost_nothing_before_they_are_asked_for(monkeypatch):
-    monkeypatch.setattr("screwsim.study.local.sensitivities", unwanted)
+    monkeypatch.setattr("screwsim.study.uncertainty.point.scene_sensitivities", unwanted)
     result = screwsim.simulate(GIVEN)
     assert repr(result) and result.as_json()
     assert pickle.loads(pickle.dumps(result)).performance == result.performance
@@ -339,7 +339,7 @@ def test_derivatives_by_differences_are_by_every_number_too(monkeypatch):
     def solved(scene, points, **_):
         return [Result("ok", performance=Figures(shaft_power=3.0 * sum(point.values()))) for point in points]
 
-    monkeypatch.setattr("screwsim.study.local.results_at", solved)
+    monkeypatch.setattr("screwsim.study.uncertainty.slopes.results_at", solved)
     scene = screwsim.load(Path(__file__).parents[1] / "configs" / "slider_crank" / "air.yaml")
     found = screwsim.sensitivities(scene, result=made(scene))
     assert set(found.method.values()) == {"differences"} and "effects.ring_leakage.gap" in found.values

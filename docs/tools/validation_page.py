@@ -1,8 +1,10 @@
 """Write docs/explanation/validation.md and its figures from the stored results of `screwsim validate`.
 
-    screwsim validate -o results/validation
-    python docs/tools/validation_page.py results/validation     keeps them as validation/results.json, then as below
+    screwsim validate [NAME]... -o results/validation
+    python docs/tools/validation_page.py results/validation     keeps those in validation/results.json, then as below
     python docs/tools/validation_page.py                        the page from what is kept
+
+Sources that were not run stay as they are kept.
 
 Every number of the page comes from validation/results.json; a test holds the page to it.
 """
@@ -12,17 +14,19 @@ from __future__ import annotations
 import json
 import shutil
 import sys
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from screwsim.study.validation import value_text
+from screwsim.printing import write_json
+from screwsim.study.validation import VERDICTS, value_text
 from screwsim.study.validation.record import KINDS, summary
 
 ROOT = Path(__file__).resolve().parents[2]
 KEPT, DOCS = ROOT / "validation" / "results.json", ROOT / "docs"
 PAGE, FIGURES = DOCS / "explanation" / "validation.md", DOCS / "figures"
-_MACHINES = ("paper", "bitzer", "giuffrida", "he2018", "cagi", "energyplus")
+_MACHINES = ("paper", "bitzer", "hsk", "giuffrida", "he2018", "cagi", "energyplus", "varispeed", "co2")
 ORDER = ("exact", "plain", "cross_code", *_MACHINES, "droplets", "solubility", "limits")
 HEAD = """\
 # Validation: how far from real machines
@@ -160,9 +164,17 @@ def page(document: Mapping[str, Any]) -> str:
     return head + "\n" + "\n\n".join(section(name, source) for name, source in sources.items()) + "\n" + OWN
 
 
+def merged(kept: Mapping[str, Any], new: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the kept document with the sources of a new one in place of their own, and its verdicts counted again."""
+    sources = dict(sorted({**kept["sources"], **new["sources"]}.items()))
+    verdicts = Counter(row["verdict"] for source in sources.values() for row in source["rows"])
+    return {"version": new["version"], "verdicts": {name: verdicts[name] for name in VERDICTS}, "sources": sources}
+
+
 def keep(folder: Path) -> None:
     """Keep the results and figures that the command wrote to a folder."""
-    shutil.copyfile(folder / "validation.json", KEPT)
+    kept, new = (json.loads(path.read_text(encoding="utf-8")) for path in (KEPT, folder / "validation.json"))
+    write_json(merged(kept, new), KEPT)
     for picture in folder.glob("*.png"):
         shutil.copyfile(picture, FIGURES / f"validation_{picture.name}")
 

@@ -29,12 +29,11 @@ if TYPE_CHECKING:
     from screwsim.outputs import Result
     from screwsim.results import open_results
     from screwsim.scene import Scene, load, loads, schema
-    from screwsim.study.local import sensitivities, simulate
-    from screwsim.study.map_points import evaluate_map
+    from screwsim.study.maps.map_points import evaluate_map
     from screwsim.study.optimize import optimize
     from screwsim.study.seek import find
-    from screwsim.study.sweep import run_sweep, sweep
-    from screwsim.study.uncertain import uncertainty
+    from screwsim.study.sweep.run import run_sweep, sweep
+    from screwsim.study.uncertainty.point import sensitivities, simulate, uncertainty
 
     __version__: str
 
@@ -81,7 +80,7 @@ _HOMES = {
     "compare": "screwsim.api",
     "datasheet": "screwsim.api",
     "diagnose": "screwsim.api",
-    "evaluate_map": "screwsim.study.map_points",
+    "evaluate_map": "screwsim.study.maps.map_points",
     "find": "screwsim.study.seek",
     "load": "screwsim.scene",
     "loads": "screwsim.scene",
@@ -91,13 +90,13 @@ _HOMES = {
     "performance_map": "screwsim.api",
     "plan": "screwsim.api",
     "posterior": "screwsim.api",
-    "run_sweep": "screwsim.study.sweep",
+    "run_sweep": "screwsim.study.sweep.run",
     "schema": "screwsim.scene",
-    "sensitivities": "screwsim.study.local",
-    "simulate": "screwsim.study.local",
-    "sweep": "screwsim.study.sweep",
+    "sensitivities": "screwsim.study.uncertainty.point",
+    "simulate": "screwsim.study.uncertainty.point",
+    "sweep": "screwsim.study.sweep.run",
     "tabulate": "screwsim.api",
-    "uncertainty": "screwsim.study.uncertain",
+    "uncertainty": "screwsim.study.uncertainty.point",
 }
 
 

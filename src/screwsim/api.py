@@ -31,8 +31,7 @@ from screwsim.report.datasheet import check_sheet, write_sheet
 from screwsim.results import Results, open_results
 from screwsim.scene import SceneLike
 from screwsim.study import compare as _compare
-from screwsim.study import optimum as _optimum
-from screwsim.study import performance_map as _map
+from screwsim.study.best import optimum as _optimum
 from screwsim.study.calibration import calibrate as _calibrate
 from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.answers import Posterior
@@ -45,9 +44,10 @@ from screwsim.study.calibration.predict import points_to_predict
 from screwsim.study.calibration.predict import posterior_with_predictions as _sampled
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.datasheet import RANGE_OPTIONS, Sheet, SheetOptions, sheet_of
-from screwsim.study.progress import Progress, progress_of
+from screwsim.study.maps import performance_map as _map
+from screwsim.study.pool.progress import Progress, progress_of
 from screwsim.study.stages import scene_or_stages
-from screwsim.study.sweep import run_sweep
+from screwsim.study.sweep.run import run_sweep
 
 ResultsLike = Results | str | os.PathLike[str]
 

@@ -27,7 +27,7 @@ from screwsim.report.quantities import shown_axis, shown_figure
 from screwsim.report.trace import Trace, chosen_trace, trace_of
 from screwsim.results import Results, open_results
 from screwsim.scene.load import scene_of
-from screwsim.study.figures import figure_named
+from screwsim.study.asked.figures import figure_named
 
 __all__ = [
     "contours",

@@ -18,7 +18,7 @@ from screwsim.model.turn_scheduler import reach_station, scheduler
 from screwsim.numerics.compiling import again, clock
 from screwsim.scene import case, load
 from screwsim.simulate import simulate, simulate_many
-from screwsim.study import limit
+from screwsim.study.pool import limit
 
 ROOT = Path(__file__).parents[2]
 POINTS = 16

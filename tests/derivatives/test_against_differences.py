@@ -19,7 +19,7 @@ from screwsim.derivatives.response import unshifted_evaluation
 from screwsim.derivatives.solving import SceneDerivatives, figures_of
 from screwsim.scene import scene_text, with_values
 from screwsim.scene.fields import value_at
-from screwsim.study.local import sensitivities
+from screwsim.study.uncertainty.point import sensitivities
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 PLAIN = Path(__file__).parents[1] / "plain"
@@ -159,7 +159,7 @@ def test_differences_that_stand_in_go_over_no_more_of_an_angle_than_where_figure
     figures = ["isothermal_efficiency", "shaft_power", "peak_pressure"]
     exact = sensitivities(scene, paths, figures)
     monkeypatch.setattr(
-        "screwsim.study.local.scene_derivatives", lambda *_: SceneDerivatives({}, {}, "it is asked for")
+        "screwsim.study.uncertainty.slopes.scene_derivatives", lambda *_: SceneDerivatives({}, {}, "it is asked for")
     )
     found = sensitivities(scene, paths, figures, result=exact.result, progress=False)
     assert set(found.method.values()) == {"differences"}

@@ -7,7 +7,7 @@ from CoolProp.CoolProp import PropsSI
 
 import screwsim
 from screwsim.scene import value_at, with_values
-from screwsim.study.local import sensitivities
+from screwsim.study.uncertainty.point import sensitivities
 
 OUTLET, OFFSET = "operation.gas_cooler.outlet_temperature", "machine.offset"
 

@@ -5,10 +5,11 @@ from pathlib import Path
 import pytest
 
 import screwsim
+from screwsim.derivatives import driven
 from screwsim.scene import with_values
 from screwsim.scene.fields import value_at
 from screwsim.simulate import simulate
-from screwsim.study.local import sensitivities
+from screwsim.study.uncertainty.point import sensitivities
 
 DRIVES = Path(__file__).parents[2] / "configs" / "drive"
 FIGURES = ("gas_mass_flow", "shaft_power", "isentropic_efficiency", "coupling_torque_amplitude", "speed_ripple")
@@ -37,3 +38,14 @@ def test_slopes_are_those_of_cycles_closed_with_their_drive(file, speed, path):
         one, other = (each.performance[name] for each in (high, low))
         slope = (one - other) / (2.0 * SHARE) / found.result.performance[name]
         assert found.relative(name, path) == pytest.approx(slope, rel=CLOSE, abs=NOISE), name
+
+
+def test_the_unshifted_cycle_is_read_once_for_all_rounds_of_chambers_and_drive(monkeypatch):
+    """It was read again in every round, and once more for the curve."""
+    read, rounds = [], []
+    for name, calls in (("unshifted_evaluation", read), ("responses", rounds)):
+        own = getattr(driven, name)
+        monkeypatch.setattr(driven, name, lambda *given, _own=own, _calls=calls: _calls.append(0) or _own(*given))
+    scene = screwsim.load(DRIVES / "point.yaml", ["operation.speed=700 rpm"])
+    sensitivities(scene, ["effects.drive.rotor_inertia"], FIGURES, fine=False)
+    assert len(read) == 1 and len(rounds) > 2

@@ -10,7 +10,7 @@ from screwsim.cycle.problem import Series, problem_of
 from screwsim.derivatives.collocation import FINE, QUICK, _with_vanished, collocated
 from screwsim.derivatives.slices import Crossing
 from screwsim.solve.circuit import solve_with_surroundings, steady_state
-from screwsim.study.local import sensitivities
+from screwsim.study.uncertainty.point import sensitivities
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 NEAR = 1e-3  # of the largest slope by a number: what quick derivatives are good to

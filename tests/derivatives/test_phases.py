@@ -17,7 +17,7 @@ from screwsim.derivatives.lane_rates import rates
 from screwsim.derivatives.phases import border_temperature
 from screwsim.derivatives.pitch import RateNumbers
 from screwsim.model.slots import S_RHO, S_T
-from screwsim.study.local import sensitivities
+from screwsim.study.uncertainty.point import sensitivities
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 HUMID = (

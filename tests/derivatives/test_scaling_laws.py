@@ -6,7 +6,7 @@ import pytest
 from each_row import each_row
 
 import screwsim
-from screwsim.study.local import sensitivities
+from screwsim.study.uncertainty.point import sensitivities
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 CLOSE = 1e-4  # the figures of the run, over which slopes are taken, err by up to that; the slopes' own sums by 1e-7

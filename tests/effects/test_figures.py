@@ -32,7 +32,7 @@ from screwsim.results.table import InMemory, join, table_of
 from screwsim.results.write import write_tables
 from screwsim.scene import load, loads
 from screwsim.study.compare import compare
-from screwsim.study.part_files import is_whole, read_part, write_part
+from screwsim.study.sweep.part_files import is_whole, read_part, write_part
 from screwsim.study.validation import sibling
 
 ROOT = Path(__file__).parents[2]

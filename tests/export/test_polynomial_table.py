@@ -21,7 +21,7 @@ from screwsim.export.table import scales
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate_many
-from screwsim.study.performance_map import TERMS, performance_maps, polynomial
+from screwsim.study.maps.performance_map import TERMS, performance_maps, polynomial
 
 pytestmark = pytest.mark.around
 

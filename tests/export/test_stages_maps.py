@@ -20,10 +20,11 @@ from screwsim.export.source import map_of
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
-from screwsim.study.map_points import evaluate_map, points_at
-from screwsim.study.performance_map import PerformanceMap, PolynomialFit, performance_maps
-from screwsim.study.stages import points, read_stages
+from screwsim.study.maps.map_points import evaluate_map, points_at
+from screwsim.study.maps.performance_map import PerformanceMap, PolynomialFit, performance_maps
+from screwsim.study.stages import read_stages
 from screwsim.study.stages.result import ChainResult, figures_of_both
+from screwsim.study.sweep import stages as points
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import scene_dict

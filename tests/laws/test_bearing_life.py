@@ -13,7 +13,7 @@ from screwsim.export.loads import document, loads
 from screwsim.figures.engineering import figure_text
 from screwsim.inputs.faults import SceneError
 from screwsim.machine.rotors.loads import bearing_forces
-from screwsim.study.goals import read_figure
+from screwsim.study.asked.goals import read_figure
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 NAMES = ("male", "female")

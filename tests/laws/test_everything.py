@@ -9,7 +9,7 @@ from screwsim.effects import catalogue
 from screwsim.machine.kinds import MACHINES
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate, simulate_many
-from screwsim.study.local import sensitivities
+from screwsim.study.uncertainty.point import sensitivities
 
 SCENE = Path(__file__).parents[2] / "configs" / "everything.yaml"
 LEFT_OUT = {"oil_heat"}  # droplets take its place

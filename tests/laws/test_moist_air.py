@@ -12,8 +12,8 @@ from scipy.optimize import brentq
 from screwsim.build import build_gas
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene.lines import lines
+from screwsim.study.accuracy.coolprop_back_end import machinery_with_coolprop
 from screwsim.study.accuracy.solving import QUICK_SCOPE, back_ends
-from screwsim.study.coolprop_back_end import machinery_with_coolprop
 
 AIR = {
     "gas": {"fluid": "air", "model": "ideal", "relative_humidity": 0.6},

@@ -10,7 +10,7 @@ from screwsim.fluid import constants
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import case, case_count, load, loads
 from screwsim.simulate import simulate, simulate_many
-from screwsim.study.goals import read_bounds
+from screwsim.study.asked.goals import read_bounds
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 NAMES = {"evaporating_temperature", "condensing_temperature", "suction_superheat", "discharge_superheat"}

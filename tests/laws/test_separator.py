@@ -20,7 +20,7 @@ from screwsim.scene.fields import value_at
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate, simulate_many
 from screwsim.solve.start_up import steady_problem
-from screwsim.study.local import sensitivities
+from screwsim.study.uncertainty.point import sensitivities
 from screwsim.template import new_scene, request_of
 
 SOLUBILITY = "effects.refrigerant_solubility"

@@ -14,7 +14,7 @@ from screwsim.inputs.faults import SceneError
 from screwsim.scene import loads, with_values
 from screwsim.scene.fields import value_at
 from screwsim.simulate import simulate, simulate_many
-from screwsim.study.local import sensitivities
+from screwsim.study.uncertainty.point import sensitivities
 from screwsim.template import new_scene, request_of
 
 POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"

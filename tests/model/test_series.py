@@ -14,7 +14,7 @@ from screwsim.model.compose import compose
 from screwsim.model.renumbering import renumbered
 from screwsim.model.series import Composer
 from screwsim.scene import load, with_values
-from screwsim.study.local import numeric_paths
+from screwsim.study.uncertainty.slopes import numeric_paths
 
 SCENES = {
     "plain": {},

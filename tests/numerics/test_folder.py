@@ -137,7 +137,7 @@ WORKERS = """
 import subprocess, sys, threading
 from concurrent.futures import wait
 from screwsim.numerics.folder import cache_folder
-from screwsim.study.workers import LocalPool
+from screwsim.study.pool.workers import LocalPool
 if {threads}:  # then they are not forked
     threading.Thread(target=threading.Event().wait, daemon=True).start()
 with LocalPool(2).executor(2) as pool:

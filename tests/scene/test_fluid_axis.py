@@ -8,7 +8,7 @@ from each_row import each_row
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.scene import case, load, loads
 from screwsim.scene.grid import first_by_fluid
-from screwsim.study.inputs import check_continuous
+from screwsim.study.asked.inputs import check_continuous
 
 CONFIG = Path(__file__).parents[2] / "configs" / "r454b" / "point.yaml"
 OWN = "R32/R1234yf (0.6/0.4)"

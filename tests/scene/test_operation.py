@@ -264,6 +264,7 @@ NO_FLUID = "is not a fluid or predefined blend of CoolProp"
         ("r134A", f"{NO_FLUID}; did you mean 'R134a'?"),
         ("R 744", f"{NO_FLUID}; did you mean 'R744'?"),
         ("carbon dioxide", f"{NO_FLUID}; did you mean 'CarbonDioxide'?"),
+        ("R1234ze", f"{NO_FLUID}; did you mean 'R1234ze(E)' or 'R1234ze(Z)'?"),  # which both exist
         ("R134z", f"{NO_FLUID} (name one of them, {NAMED}"),  # R134a is another fluid
         ("R134", f"{NO_FLUID} (name one of them, {NAMED}"),  # and so is its isomer
         ("Propan", f"{NO_FLUID} (name one of them, {NAMED}"),

@@ -213,6 +213,12 @@ REMOVE = "remove one of the two; null drops a base's value"
             "sweep.operation.speed: has no meaning with operation.tip_speed (vary that one, or state the speed)",
         ),
         (
+            ROTORS,
+            ["sweep.operation.tip_speed=[20 m/s, 25 m/s]"],
+            "sweep.operation.tip_speed: has no meaning with operation.speed (vary that one, or state the tip speed in "
+            "its place)",
+        ),
+        (
             PAPER,
             ["machine.displacement={flow: 600 m^3/h, at: 2950 rpm}"],
             f"machine.volume.max: is given as well as machine.displacement, which states it already ({REMOVE})",

@@ -112,6 +112,19 @@ def test_other_units_are_read_with_pint(kind, text, value):
             "1200 MBtu/h",
             "'1200 MBtu/h' is ambiguous: a thousand or a million Btu (write kBtu/h or kW, e.g. '75 kW')",
         ),
+        (
+            "power",
+            "2 MMBtu/h",
+            "'2 MMBtu/h' is in a million Btu (write 1000 kBtu/h for each MMBtu/h, or e.g. '75 kW')",
+        ),
+        *(
+            (
+                "volume_flow",
+                f"300 {unit}",
+                f"'300 {unit}' counts gas at a standard state (write the flow at its own state, e.g. '20 m^3/min')",
+            )
+            for unit in ("scfm", "SCFM", "Nm3/h", "Nm^3/min", "MMSCFD", "Nl/min", "Sm³/h")
+        ),
         ("power", "1200 MBH", "'1200 MBH' is not a power (write '1200 kBtu/h')"),
         ("pressure", "2 Bar", "'2 Bar' is not a pressure (write '2 bar')"),
         ("pressure", "2 bar(a)", "'2 bar(a)' is not a pressure (write '2 bar')"),

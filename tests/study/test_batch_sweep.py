@@ -12,9 +12,9 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.scene import load
-from screwsim.study.limit import clocks_running
-from screwsim.study.sweep import no_warm_up, run_sweep
-from screwsim.study.workers import Chunks
+from screwsim.study.pool.limit import clocks_running
+from screwsim.study.pool.workers import Chunks
+from screwsim.study.sweep.run import no_warm_up, run_sweep
 
 POINT = str(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml")
 SWEEP = [
@@ -65,7 +65,7 @@ def test_two_workers_give_the_same_bits(scene, batch, tmp_path):
 
 
 def test_an_interrupted_sweep_goes_on_and_comes_to_the_same_bits(scene, batch, tmp_path, monkeypatch):
-    monkeypatch.setattr("screwsim.study.sweep.SIDE_BY_SIDE", 2)  # more than one chunk
+    monkeypatch.setattr("screwsim.study.sweep.run.SIDE_BY_SIDE", 2)  # more than one chunk
     with pytest.raises(KeyboardInterrupt):
         run_sweep(scene, tmp_path / "again.h5", jobs=1, batch=True, progress=StopAfter(1))
     summary = run_sweep(scene, tmp_path / "again.h5", jobs=1, batch=True)
@@ -125,7 +125,7 @@ def test_chunks_have_as_many_blocks_as_there_are_lanes_where_all_workers_have_so
 
 
 def test_the_time_of_a_case_stands_still_while_others_run():
-    from screwsim.study import limit
+    from screwsim.study.pool import limit
 
     with limit.TimeLimit(1000.0):
         with clocks_running([]):
@@ -140,7 +140,7 @@ def test_the_time_of_a_case_stands_still_while_others_run():
 def test_a_case_that_is_ended_while_it_waits_for_others_leaves_no_time():
     from greenlet import getcurrent, greenlet
 
-    from screwsim.study import limit
+    from screwsim.study.pool import limit
 
     own = getcurrent()
 

@@ -6,7 +6,7 @@ import math
 from each_row import each_row
 from result_fakes import SCENE, scene
 
-from screwsim.study.cases import BLOCK_CASES, Blocks, blocks_of
+from screwsim.study.sweep.cases import BLOCK_CASES, Blocks, blocks_of
 
 SHAPES = [
     (),

@@ -9,8 +9,8 @@ from ruamel.yaml import YAML
 import screwsim
 from screwsim.inputs.faults import SceneError
 from screwsim.outputs import PERFORMANCE
+from screwsim.study.asked.figure_units import UNITS
 from screwsim.study.calibration import read_fit
-from screwsim.study.calibration.data import UNITS
 from screwsim.study.calibration.read import fit_schema
 
 

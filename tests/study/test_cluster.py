@@ -37,9 +37,9 @@ from sweep_fakes import (
 from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.scene import load
-from screwsim.study.cluster import Cluster
-from screwsim.study.sweep import run_sweep
-from screwsim.study.workers import stop_executor
+from screwsim.study.pool.workers import stop_executor
+from screwsim.study.sweep.cluster import Cluster
+from screwsim.study.sweep.run import run_sweep
 
 pytestmark = [pytest.mark.slow, pytest.mark.around]
 SETTINGS = {
@@ -188,7 +188,7 @@ def test_the_tls_example_of_the_docs_lets_in_only_who_has_the_certificate(refere
 SWEPT = """\
 import json, socket, ssl
 from result_fakes import fake_simulate, scene, SCENE, GRID
-from screwsim.study.sweep import run_sweep
+from screwsim.study.sweep.run import run_sweep
 host, port = json.load(open("s.json"))["address"].removeprefix("tls://").rsplit(":", 1)
 stranger = ssl._create_unverified_context().wrap_socket(socket.create_connection((host, int(port))))
 try:
@@ -203,7 +203,7 @@ def test_a_scheduler_that_is_lost_ends_the_sweep_in_one_line_and_loses_nothing(
     started, reference, tmp_path, monkeypatch, capfd
 ):
     monkeypatch.setenv("SWEEP_FAKES_PIDS", str(tmp_path / "pids"))
-    monkeypatch.setattr("screwsim.study.cluster._TIMEOUT", 3.0)  # and the worker is there before the sweep
+    monkeypatch.setattr("screwsim.study.sweep.cluster._TIMEOUT", 3.0)  # and the worker is there before the sweep
     file, output = tmp_path / "scheduler.json", tmp_path / "out.h5"
     local = ("--scheduler-file", str(file), "--host", "127.0.0.1", "--no-dashboard")
     program = started("scheduler", "--port", "0", *local, folder=tmp_path)

@@ -23,8 +23,8 @@ from sweep_fakes import (
 )
 
 from screwsim.results import open_results
-from screwsim.study.parallel import parallel_map
-from screwsim.study.sweep import run_sweep
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.sweep.run import run_sweep
 
 pytestmark = [pytest.mark.around, pytest.mark.usefixtures("one_moment")]
 
@@ -99,7 +99,7 @@ def test_a_worker_that_others_kill_costs_no_case(tmp_path, monkeypatch):
 
 
 def test_workers_that_cannot_start_end_the_sweep(tmp_path, monkeypatch):
-    monkeypatch.setattr("screwsim.study.workers._start_worker", dying)
+    monkeypatch.setattr("screwsim.study.pool.workers._start_worker", dying)
     with pytest.raises(RuntimeError, match="worker processes cannot start"):
         run_sweep(grid_scene(), tmp_path / "out.h5", jobs=2, simulate=fake_simulate)
 

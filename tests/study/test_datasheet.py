@@ -16,7 +16,7 @@ from screwsim.study.datasheet import Sheet
 from screwsim.study.datasheet.air_rating import rating
 from screwsim.study.datasheet.air_sheet import air_sheet
 from screwsim.study.datasheet.sheet import Table
-from screwsim.study.progress import Progress
+from screwsim.study.pool.progress import Progress
 
 pytestmark = pytest.mark.around
 ROOT = Path(__file__).parents[2]

@@ -12,7 +12,7 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
-from screwsim.printing.diagnosis import print_diagnosis
+from screwsim.printing.diagnosis import diagnosis_document, print_diagnosis
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
 from screwsim.study.calibration import read_fit
@@ -22,7 +22,8 @@ from screwsim.study.calibration.hypotheses import NO_CHANGE
 from screwsim.study.calibration.machine import unchanged_fit
 from screwsim.study.calibration.pair_likelihood import normal_about
 from screwsim.study.calibration.profile import LinearLikelihood, linear_likelihood, whitener
-from screwsim.study.progress import CountingProgress
+from screwsim.study.pool.progress import CountingProgress
+from screwsim.study.uncertainty.slopes import Sensitivities
 
 pytestmark = pytest.mark.around
 
@@ -429,6 +430,49 @@ def test_tolerances_of_the_scene_are_no_change(tmp_path):
     open_ = diagnose(read_fit(tmp_path / "x.fit.yaml"), jobs=1)
     assert known.hypotheses[0].path == GAP and known.hypotheses[0].probability > 0.9
     assert open_.hypotheses[0].path == NO_CHANGE and set(open_.inputs) == {GAP, "oil_supply.ratio"}
+
+
+def warmer(scene):
+    """Return a shaft power [W] that rises by 1 kW/K with the surroundings."""
+    _, _, n = coordinates(scene)
+    return Result("ok", performance=Figures(shaft_power=1e3 * (scene.operation.ambient_temperature - 290.0 + 2.0 * n)))
+
+
+def test_a_temperature_is_in_degrees_celsius_and_its_change_in_kelvins(tmp_path, capsys):
+    """It was 303 K, as nowhere else."""
+    path = "operation.ambient_temperature"
+    fit = FIT.replace(
+        "oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", f"{path}: {{from: 10 degC, to: 50 degC}}"
+    )
+    scene = screwsim.loads(SCENE).with_({**UNCHANGED, path: "25 degC"}).text
+    file = write_fit(tmp_path, fit, points(lambda n: 13.15 + 2.0 * n), scene)  # of 30 degC
+    found = diagnose(read_fit(file, fixed=False), simulate=warmer, jobs=1)
+    print_diagnosis(found)
+    out = " ".join(capsys.readouterr().out.split())
+    now = by_path(found)[path].value - 273.15
+    assert now == pytest.approx(30.0, abs=0.1)
+    assert (
+        f" {now:.1f} °C ".replace(".0 ", " ") in out
+        and f"most probable: {path} has changed by +{now - 25.0:.3g} K" in out
+    )
+    moved = replace(by_path(found)[path], also=(300.15,), probability=0.5)
+    print_diagnosis(replace(found, hypotheses=(moved,)))
+    assert f"{path} = 27 °C fits nearly as well" in capsys.readouterr().out
+
+
+def test_a_diagnosis_goes_on_without_an_input_that_has_no_derivative_and_says_so(tmp_path, monkeypatch, capsys):
+    """It refused the whole question."""
+    ratio, lost = "oil_supply.ratio", Sensitivities(Result("ok"), left_out={"oil_supply.ratio": "too hot"})
+    monkeypatch.setattr("screwsim.study.uncertainty.point.sensitivities", lambda *asked, **more: lost)
+    certain = asked(tmp_path, points(lambda n: 6.0 + 2.0 * n))
+    scene = screwsim.loads(SCENE).with_({**UNCHANGED, ratio: "3 ± 10 %"}).text
+    (tmp_path / "machine.yaml").write_text(scene, encoding="utf-8")
+    found = diagnose(read_fit(tmp_path / "small.fit.yaml", fixed=False), simulate=plane, jobs=1)
+    assert (found.hypotheses, found.inputs) == (certain.hypotheses, ())
+    assert diagnosis_document(found)["left_out"] == {ratio: "at p0: too hot"}
+    print_diagnosis(found)
+    told = f"warning: the tolerance of {ratio} is not included in the uncertainties: at p0: too hot"
+    assert told in " ".join(capsys.readouterr().out.split())
 
 
 @pytest.mark.usefixtures("quick")

@@ -9,9 +9,9 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.scene import loads
 from screwsim.scene.operation import P_D, P_S
+from screwsim.study.asked.inputs import ends_of
 from screwsim.study.datasheet.gas_sheet import rating_request
 from screwsim.study.datasheet.rated import case_scene
-from screwsim.study.inputs import ends_of
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.template import new_scene, request_of
 

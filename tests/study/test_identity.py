@@ -20,9 +20,9 @@ from screwsim.numerics import sources
 from screwsim.results import identity, open_results
 from screwsim.results.schema import identity_of
 from screwsim.scene import loads
-from screwsim.study.agreement import FileWatch, requirements_of, what_differs
-from screwsim.study.cases import run_packed
-from screwsim.study.sweep import run_sweep
+from screwsim.study.sweep.agreement import FileWatch, requirements_of, what_differs
+from screwsim.study.sweep.cases import run_packed
+from screwsim.study.sweep.run import run_sweep
 
 
 def test_values_of_a_scene_are_texts_wherever_they_stand_in_it():
@@ -267,7 +267,7 @@ def test_a_file_that_changes_while_the_sweep_runs_ends_it_and_no_case_of_after_i
 def test_a_worker_that_starts_after_a_file_changed_here_is_not_to_blame(tmp_path, monkeypatch):
     file = with_area(tmp_path)
     swept = loads(AREA_SCENE + "output: {keep: performance}\n", folder=str(tmp_path))
-    monkeypatch.setattr("screwsim.study.workers.start_method", lambda: "spawn")
+    monkeypatch.setattr("screwsim.study.pool.workers.start_method", lambda: "spawn")
     edits = Edits(file, 1)
     monkeypatch.setattr(edits, "start", lambda *_: edits.advance(0, 0))  # before any worker is there
     with pytest.raises(UsageError, match=r"this machine has another area\.csv: it was changed during the sweep"):

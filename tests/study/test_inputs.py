@@ -5,8 +5,8 @@ import pytest
 from screwsim.figures.engineering import error_text, figure_text
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import with_printed_units
-from screwsim.scene import load
-from screwsim.study.inputs import check_fit, in_customary, read_text, shown_number, shown_value, unit_of_change
+from screwsim.scene import load, with_values
+from screwsim.study.asked.inputs import check_fit, in_customary, read_text, shown_number, shown_value, unit_of_change
 
 CONDENSING = "operation.condensing_temperature"
 
@@ -46,6 +46,13 @@ def test_a_fault_is_told_with_its_path_once(scene):
     with pytest.raises(UsageError) as refusal:
         check_fit(scene, {CONDENSING: 275.15}, CONDENSING)
     assert str(refusal.value).count(CONDENSING) == 1
+
+
+def test_a_fault_that_the_values_do_not_cause_is_told_with_its_own_path_alone(scene):
+    """It was told as one of the varied path."""
+    broken = with_values(scene, {"operation.tip_speed": 20.0})
+    with pytest.raises(UsageError, match=r"^operation\.tip_speed: is given as well as"):
+        check_fit(broken, {CONDENSING: 313.15}, CONDENSING)
 
 
 def test_a_title_has_its_units_as_they_are_printed():

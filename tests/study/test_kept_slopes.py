@@ -9,7 +9,7 @@ import screwsim
 from screwsim import cli
 from screwsim.inputs.faults import SceneError
 from screwsim.results.table import join, table_of
-from screwsim.study.part_files import is_whole, read_part, write_part
+from screwsim.study.sweep.part_files import is_whole, read_part, write_part
 
 POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 GAP, POWER = "effects.tip_leakage.gap", "shaft_power"

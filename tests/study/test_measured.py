@@ -13,9 +13,9 @@ from screwsim.inputs.faults import UsageError
 from screwsim.printing.measured import print_measured
 from screwsim.scene import cross_check, leaf_of, load, with_values
 from screwsim.simulate import simulate
-from screwsim.study import measured
-from screwsim.study.measured import LARGEST_CHANGE_KELVIN, compare_measured, read_measured
-from screwsim.study.uncertain import with_uncertainty
+from screwsim.study.uncertainty import measured
+from screwsim.study.uncertainty.measured import LARGEST_CHANGE_KELVIN, compare_measured, read_measured
+from screwsim.study.uncertainty.point import with_uncertainty
 
 UNCERTAIN = "configs/paper/uncertain.yaml"
 

@@ -9,8 +9,8 @@ import nbformat
 import pytest
 
 import screwsim
-from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import NotebookBar, Progress, for_program
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import NotebookBar, Progress, for_program
 from screwsim.study.seek.trials import ReportedSimulation
 from screwsim.study.validation import sibling
 

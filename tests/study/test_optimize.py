@@ -1,6 +1,7 @@
 """Optimisation: the known best of one aim, fronts of several, bounds, operating points, interruptions, failures."""
 
 import gc
+import math
 import threading
 import tracemalloc
 from dataclasses import replace
@@ -15,18 +16,19 @@ from study_fakes import gappy, parabola, two_tops
 
 import screwsim
 from screwsim.inputs.faults import UsageError
+from screwsim.printing.optimize import optimize_document, print_optimize
 from screwsim.results.table import table_of
 from screwsim.scene import loads, with_values
 from screwsim.simulate import simulate as simulated
+from screwsim.study.best.optimum import optimum
+from screwsim.study.best.optimum import question as of_optimum
 from screwsim.study.optimize import optimize, question, run_question
 from screwsim.study.optimize.evaluate import weighted_mean
 from screwsim.study.optimize.points import BIN_HOURS, as_csv, energy_shares, load_at, read_points, standards
 from screwsim.study.optimize.record import Record, nearest_neighbour_order
 from screwsim.study.optimize.solve import front_of
 from screwsim.study.optimize.store import held_parts
-from screwsim.study.optimum import optimum
-from screwsim.study.optimum import question as of_optimum
-from screwsim.study.parallel import BatchWorkers
+from screwsim.study.pool.parallel import BatchWorkers
 
 RATIO, SPEED = "oil_supply.ratio=1..3", "operation.speed=1000 rpm..5000 rpm"
 FIG1 = Path(__file__).parents[2] / "configs" / "paper" / "fig1.yaml"
@@ -81,6 +83,27 @@ def test_the_known_best_of_the_papers_machine_is_found():
     # optimum asks for a tenth of the accuracy in the end: both errors
     off = found.errors[found.front[0], 0] + row.error
     assert found.aims[found.front[0], 0] == pytest.approx(row.figure, abs=2.0 * off)
+
+
+def test_the_best_says_how_far_the_inputs_tolerances_move_its_aim_and_what_is_bounded(capsys):
+    """As `uncertainty` of the best scene does, but for the tolerance of what varies."""
+    ratio, bounded = "oil_supply.ratio", ["discharge_temperature<15 degC"]
+    tolerant = screwsim.load("configs/paper/uncertain.yaml", ["sweep=null"])
+    more = {"subject_to": bounded, "evaluations": 12, "jobs": 1, "progress": False}
+    found = optimize(tolerant, [f"{ratio}=2.5..5"], minimize=["shaft_power"], **more)
+    whole = screwsim.uncertainty(found.scene).spreads
+    assert list(found.by_inputs) == ["shaft_power", "discharge_temperature"]
+    for name, spread in found.by_inputs.items():
+        changes = [one.change for one in whole[name].contributors if one.paths != (ratio,)]
+        assert len(changes) == len(whole[name].contributors) - 1
+        # the result is that of the value before it is written with seven digits
+        assert spread.expanded == pytest.approx(math.hypot(*changes), rel=1e-4), name
+    print_optimize(found)
+    out = " ".join(capsys.readouterr().out.split())
+    half = found.by_inputs["discharge_temperature"].expanded
+    assert f" °C by the inputs' tolerances ± {half:.2g} K (95 %): oil_heat.drop" in out
+    assert optimize_document(found)["uncertainties_by_inputs"].keys() == found.by_inputs.keys()
+    assert not optimize(tolerant, [f"{ratio}=2.5..5"], ["eta_iso", "shaft_power"], **more).by_inputs
 
 
 def test_a_path_that_is_best_at_both_ends_matters():
@@ -228,8 +251,8 @@ def test_workers_that_have_left_leave_no_thread_beside_which_none_is_forked():
 
 @pytest.mark.around
 def test_a_long_run_keeps_few_bytes_of_an_evaluation_in_memory(monkeypatch, tmp_path):
-    monkeypatch.setattr("screwsim.study.shards.BYTES_IN_MEMORY", 100_000)
-    monkeypatch.setattr("screwsim.study.shards.MOST_SMALL_PARTS", SMALL_PARTS)
+    monkeypatch.setattr("screwsim.study.sweep.shards.BYTES_IN_MEMORY", 100_000)
+    monkeypatch.setattr("screwsim.study.sweep.shards.MOST_SMALL_PARTS", SMALL_PARTS)
     asked = question(scene(), [RATIO, SPEED], ["gas_mass_flow"], ["shaft_power"], evaluations=EVALUATIONS)
     batch, generator, sizes = 100, np.random.default_rng(1), []
     tracemalloc.start()

@@ -15,8 +15,8 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import case, loads, with_values
 from screwsim.simulate import simulate
-from screwsim.study.optimum import optimum, question
-from screwsim.study.search import SearchPoint, find_maximum
+from screwsim.study.best.optimum import optimum, question
+from screwsim.study.best.search import SearchPoint, find_maximum
 from screwsim.template import new_scene, request_of
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"

@@ -1,17 +1,20 @@
 """The tolerance of an input that is not fitted moves the fitted values as a fit with another value of it does."""
 
 import json
+import math
 from dataclasses import replace
 
 import pytest
 
 from screwsim import simulate
 from screwsim.cli import exit_code
-from screwsim.inputs.faults import UsageError
+from screwsim.printing.calibration import calibration_document, print_calibration
 from screwsim.scene import load, value_at, with_values
 from screwsim.study.calibration import calibrate, read_fit
+from screwsim.study.calibration import other_inputs as other_inputs_module
 from screwsim.study.calibration.answers import Posterior
 from screwsim.study.calibration.other_inputs import errors_by_inputs, other_inputs
+from screwsim.study.uncertainty import point
 
 pytestmark = pytest.mark.around
 
@@ -98,11 +101,33 @@ def test_a_posterior_says_what_it_takes_as_exact(fit_file):
     assert posterior_document(found)["taken_as_exact"] == [BORE, CLEARANCE, WALL]
 
 
-def test_a_fit_stands_where_no_shift_by_other_inputs_can_be_had(fit_file, monkeypatch):
-    def refuses(*asked, **more):
-        raise UsageError("machine.bore: follows from others in this scene (state it, or leave it out)")
+def test_an_input_without_a_derivative_at_one_point_is_in_no_shift_and_named(fit_file, monkeypatch, capsys):
+    """The fit lost the shifts by all inputs."""
+    original = point.sensitivities
 
-    monkeypatch.setattr("screwsim.study.calibration.solve.input_shifts", refuses)
+    def lost_at_720_rpm(scene, paths, *asked, **more):
+        found = original(scene, paths, *asked, **more)
+        if scene.operation.speed != pytest.approx(24.0 * math.pi):
+            return found
+        values = {path: value for path, value in found.values.items() if path != WALL}
+        return replace(found, values=values, left_out={WALL: "failed: too hot"})
+
+    whole = calibrate(read_fit(fit_file), jobs=2)
+    monkeypatch.setattr(point, "sensitivities", lost_at_720_rpm)
     found = calibrate(read_fit(fit_file), jobs=1)
-    assert (found.status, found.shifts) == ("ok", ()) and found.certainty is not None
-    assert found.message.startswith("no errors from other inputs: machine.bore: follows")
+    assert (found.status, found.message, found.shifts) == ("ok", "", whole.shifts[:1])
+    ((path, why),) = found.left_out.items()
+    assert path == WALL and why.endswith(": failed: too hot") and not whole.left_out
+    assert calibration_document(found)["left_out"] == found.left_out
+    print_calibration(found)
+    told = f"warning: the tolerance of {WALL} is not included in the uncertainties: at"
+    assert told in " ".join(capsys.readouterr().out.split())
+
+
+def test_shifts_by_other_inputs_are_found_by_as_many_workers_as_the_starts(fit_file, monkeypatch):
+    asked, original = [], other_inputs_module.parallel_map
+    monkeypatch.setattr(
+        other_inputs_module, "parallel_map", lambda *a, **more: asked.append(more["jobs"]) or original(*a, **more)
+    )
+    calibrate(read_fit(fit_file), jobs=2)
+    assert asked == [2]

@@ -13,12 +13,11 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Figures, Result
-from screwsim.printing.plan import print_plan
+from screwsim.printing.plan import plan_document, print_plan
 from screwsim.scene import loads
-from screwsim.study import local
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.fit import Measurement, Point, Prior
-from screwsim.study.calibration.machine import inputs_of, residual_shifts
+from screwsim.study.calibration.machine import PointShifts, inputs_of, known_everywhere, point_shifts
 from screwsim.study.calibration.plan import (
     candidates_of,
     covariance,
@@ -30,8 +29,9 @@ from screwsim.study.calibration.plan import (
     typical_uncertainties,
 )
 from screwsim.study.calibration.profile import whitener
-from screwsim.study.local import Sensitivities
-from screwsim.study.uncertain import groups_of
+from screwsim.study.uncertainty import slopes
+from screwsim.study.uncertainty.slopes import Sensitivities
+from screwsim.study.uncertainty.spreads import groups_of
 
 ROOT = Path(__file__).parents[2]
 GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
@@ -153,9 +153,9 @@ def test_what_follows_a_parameter_has_no_tolerance_of_its_own(tmp_path, monkeypa
 
     def shifts(of, point, groups, result):
         asked.append(groups)
-        return [np.zeros(len(point.measured)) for _ in groups]
+        return PointShifts({path: np.zeros(len(point.measured)) for group in groups for path in group}, {})
 
-    monkeypatch.setattr("screwsim.study.calibration.plan.residual_shifts", shifts)
+    monkeypatch.setattr("screwsim.study.calibration.plan.point_shifts", shifts)
     fit = read_fit(write_fit(tmp_path, text, POINTS, scene), fixed=False)
     found = plan(fit, candidates_of(fit, paths=[SPEEDS]), count=1, jobs=1, simulate=plane)
     assert found.inputs == ("effects.end_face_leakage.gap",)
@@ -165,13 +165,34 @@ def test_what_follows_a_parameter_has_no_tolerance_of_its_own(tmp_path, monkeypa
     assert inputs_of(held, held.scene)[0] == (("effects.end_face_leakage.gap",),)
 
 
-def test_an_input_without_a_derivative_does_not_count_as_certain(tmp_path, monkeypatch):
+def test_an_input_without_a_derivative_at_one_point_is_left_out_at_all_and_named(tmp_path, monkeypatch):
     scene = loads(SCENE.replace("gap: 50 um", "gap: 50 um ± 10 um") + "\n")
     path, point = "effects.tip_leakage.gap", Point("first", {}, {"shaft_power": Measurement(1e3, 10.0)})
-    known = Sensitivities(Result("ok"), {"oil.heat_capacity": 2e3}, left_out={path: "failed: too hot"})
-    monkeypatch.setattr("screwsim.study.calibration.machine.sensitivities", lambda *asked, **more: known)
-    with pytest.raises(UsageError, match="gap: has a tolerance, but no derivative at first: failed: too hot"):
-        residual_shifts(scene, point, [(path,)])
+    known = Sensitivities(Result("ok"), left_out={path: "failed: too hot"})
+    monkeypatch.setattr("screwsim.study.uncertainty.point.sensitivities", lambda *asked, **more: known)
+    lost = point_shifts(scene, point, [(path,)])
+    assert lost.left_out == {path: "at first: failed: too hot"}
+    there = PointShifts({path: np.ones(1), "oil.heat_capacity": np.ones(1)}, {})
+    groups, left_out = known_everywhere([(path, "oil.heat_capacity"), (path,)], [there, lost])
+    assert (groups, left_out) == ((("oil.heat_capacity",),), lost.left_out)
+
+
+def test_a_plan_goes_on_without_an_input_that_has_no_derivative_and_says_so(tmp_path, monkeypatch, capsys):
+    """It refused the whole question."""
+    scene = SCENE.replace("gap: 50 um}", "gap: 50 um}\n  interlobe_leakage: {gap: 50 um ± 10 um, length: 130 mm}")
+    fit, path = read_fit(write_fit(tmp_path, FIT, POINTS, scene), fixed=False), "effects.interlobe_leakage.gap"
+    monkeypatch.setattr(
+        "screwsim.study.uncertainty.point.sensitivities",
+        lambda *asked, **more: Sensitivities(Result("ok"), left_out={path: "failed: too hot"}),
+    )
+    found = plan(fit, candidates_of(fit, paths=[SPEEDS]), count=2, jobs=1, simulate=plane)
+    alone = read_fit(write_fit(tmp_path, FIT, POINTS, scene.replace(" ± 10 um", "")), fixed=False)
+    certain = plan(alone, candidates_of(alone, paths=[SPEEDS]), count=2, jobs=1, simulate=plane)
+    assert (found.inputs, [step.deviations for step in found.steps]) == ((), [s.deviations for s in certain.steps])
+    print_plan(found)
+    told = f"warning: the tolerance of {path} is not included in the uncertainties: at"
+    assert told in " ".join(capsys.readouterr().out.split())
+    assert plan_document(found)["left_out"] == {path: "at a: failed: too hot"}
 
 
 def test_candidates_are_measured_as_the_points_are(tmp_path):
@@ -233,16 +254,16 @@ def test_all_inputs_of_a_point_are_derived_at_once_and_it_is_solved_once(monkeyp
     scene = screwsim.load(ROOT / "configs" / "paper" / "uncertain.yaml")
     point = Point("here", {}, {"shaft_power": Measurement(12e3, 60.0), "gas_mass_flow": Measurement(0.17, 1e-3)})
     result, groups, calls = screwsim.simulate(scene), groups_of(scene), []
-    alone = [residual_shifts(scene, point, [group])[0] for group in groups]
+    alone = [point_shifts(scene, point, [group]).of([group])[0] for group in groups]
     for name in ("scene_derivatives", "simulate"):
-        own = getattr(local, name)
+        own = getattr(slopes, name)
         monkeypatch.setattr(
-            local, name, lambda *of, _own=own, _name=name, **more: calls.append(_name) or _own(*of, **more)
+            slopes, name, lambda *of, _own=own, _name=name, **more: calls.append(_name) or _own(*of, **more)
         )
-    together = residual_shifts(scene, point, groups, result)
+    together = point_shifts(scene, point, groups, result).of(groups)
     assert calls == ["scene_derivatives"]
     assert len(groups) > 2 and np.array_equal(np.array(together), np.array(alone))
-    assert residual_shifts(scene, point, ()) == []
+    assert point_shifts(scene, point, ()).of(()) == []
 
 
 @pytest.mark.usefixtures("quick")

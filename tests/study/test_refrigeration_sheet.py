@@ -16,13 +16,13 @@ from screwsim.report.datasheet import page, write_sheet
 from screwsim.scene import with_values
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.simulate import simulate_many
+from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet import SheetOptions, sheet_of
 from screwsim.study.datasheet.bounds import envelope, limits_of
 from screwsim.study.datasheet.rated import rating
 from screwsim.study.datasheet.refrigeration_sheet import rating_request, refrigeration_sheet
 from screwsim.study.datasheet.sheet import warning_lines
 from screwsim.study.datasheet.tables import part_load_note
-from screwsim.study.goals import Bound
 from screwsim.study.part_load import NEAR, RATIO_PATH, Control, controls, part_load, ratios
 from screwsim.template import new_scene, request_of
 

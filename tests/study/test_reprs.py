@@ -15,11 +15,11 @@ from screwsim.outputs.display import MOST_COLUMNS, MOST_HTML_ROWS, MOST_ROWS, Ab
 from screwsim.results import open_results, save
 from screwsim.scene import loads
 from screwsim.study.calibration import calibrate, read_fit
-from screwsim.study.local import Sensitivities
 from screwsim.study.optimize import optimize
 from screwsim.study.seek import find, find_each, question
-from screwsim.study.sweep import run_sweep
-from screwsim.study.uncertain import FigureUncertainty, Uncertainty
+from screwsim.study.sweep.run import run_sweep
+from screwsim.study.uncertainty.slopes import Sensitivities
+from screwsim.study.uncertainty.spreads import FigureUncertainty, Uncertainty
 
 RATIO = "oil_supply.ratio"
 RESULT = Result("ok", performance=Figures(shaft_power=50e3, gas_mass_flow=0.5))

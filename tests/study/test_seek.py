@@ -11,11 +11,12 @@ from seek_fakes import RPM, edged, figures_of, leaping, saturating, torn, turnin
 
 import screwsim
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import Figures
+from screwsim.outputs import Figures, Result
 from screwsim.scene import loads, value_at, with_values
-from screwsim.study.goals import read_bounds, read_figure, read_goals
+from screwsim.study.asked.goals import read_bounds, read_figure, read_goals
 from screwsim.study.scene_files import write_found
 from screwsim.study.seek import find, find_each, question
+from screwsim.study.uncertainty.slopes import Sensitivities
 from screwsim.template import new_scene, request_of
 
 SPEED = "operation.speed"
@@ -214,6 +215,12 @@ def test_no_size_meets_a_goal_of_a_figure_that_the_size_does_nothing_to(flow):
         ),
         ([RANGE], ["peak_pressure=100 psia"], "--for peak_pressure=100 psia: unit 'psia' is not known (write psi)"),
         ([RANGE], ["displacement_flow=9 CFM"], "--for displacement_flow=9 CFM: unit 'CFM' is not known (write ft^"),
+        (
+            [RANGE],
+            ["displacement_flow=9 scfm"],
+            "--for displacement_flow=9 scfm: unit 'scfm' counts gas at a standard state",
+        ),
+        ([RANGE], ["shaft_power=9 MMBtu/h"], "--for shaft_power=9 MMBtu/h: unit 'MMBtu/h' is in a million Btu"),
         ([RANGE], ["shaft_power=9 HP"], "--for shaft_power=9 HP: unit 'HP' is not known (write hp)"),
         ([RANGE], ["gas_mass_flow"], "--for gas_mass_flow: is not FIGURE=VALUE (write e.g. --for 'cooling_capacity="),
         ([RANGE], ["gas ma flow=1 kg/s"], "--for gas ma flow: is not known; did you mean 'gas_mass_flow'?"),
@@ -248,6 +255,7 @@ def test_a_wrong_question_is_refused_in_one_line(vary, goals, message):
         ("specific_power", "6.5 kW/(m3/min)", 6.5 * 60e3),  # 1 kW/(m³/min) = 1000 W/(1 m³/60 s)
         ("specific_power", "6.5 kW/(m³/min)", 6.5 * 60e3),
         ("shaft_power", "100 hp", 100.0 * 550.0 * 0.3048 * 0.45359237 * 9.80665),  # 550 ft lbf/s
+        ("gas_mass_flow", "30 lb/min", 30.0 * 0.45359237 / 60.0),
         (
             "specific_power",
             "20 hp/(100 cfm)",
@@ -341,6 +349,20 @@ def test_the_uncertainty_of_a_value_by_tolerances_is_that_of_other_searches():
                 ends.append(sought(off).values[path])
             assert each.change == pytest.approx(2.0 * (ends[0] - ends[1]), rel=0.02)
     assert set(found.by_inputs) == set(found.values)
+
+
+def test_an_input_without_a_derivative_is_left_out_of_what_the_others_do_and_named(monkeypatch):
+    """No input had a part in it then."""
+    gap, ratio = "effects.tip_leakage.gap", "oil_supply.ratio"
+    tolerant = scene().with_({gap: "50 um ± 10 um", ratio: "3 ± 10 %"})
+    slopes = {"gas_mass_flow": {SPEED: 1e-3, gap: -2e3}}
+    known = Sensitivities(Result("ok"), {SPEED: 100.0, gap: 50e-6}, derivatives=slopes, left_out={ratio: "too hot"})
+    performance = Figures(gas_mass_flow=1.2)
+    known = replace(known, result=Result("ok", performance=performance))
+    monkeypatch.setattr("screwsim.study.uncertainty.point.sensitivities", lambda *asked, **more: known)
+    found = find(tolerant, [RANGE], ["gas_mass_flow=1.2 kg/s"], simulate=saturating)
+    assert found.by_inputs[SPEED].standard == pytest.approx(2e3 * 5e-6 / 1e-3)
+    assert found.message == f"the tolerance of {ratio} is not included in the uncertainties: too hot"
 
 
 def test_without_tolerances_of_others_a_value_has_none_by_them():

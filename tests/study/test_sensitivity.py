@@ -9,8 +9,8 @@ from study_fakes import gappy, ishigami, noisy
 
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import loads
-from screwsim.study.sensitivity import cost_in_words, sensitivity, usual_samples
-from screwsim.study.spans import read_ranges
+from screwsim.study.asked.spans import read_ranges
+from screwsim.study.uncertainty.sobol import cost_in_words, sensitivity, usual_samples
 
 RANGES = (
     "machine.rotor_diameter=100 mm..200 mm",

@@ -515,6 +515,3 @@ def test_faults_of_overrides_are_told_with_their_stage_and_both_stages_at_once(c
     ]
     with pytest.raises(UsageError, match=r"^--set second\.operation\.speed: is not PATH=VALUE \(write e\.g\. --set s"):
         read_stages(chain(), ["second.operation.speed"])
-    for path in ("intercooler.kind=none", "pressure_drop=1 bar", "stages=[]", "title=x"):
-        with pytest.raises(UsageError, match=r"belongs to the two-stage file \(write it there\)"):
-            read_stages(chain(), [path])

@@ -12,11 +12,11 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
-from screwsim.study.goals import read_goals
-from screwsim.study.measured import read_measured
+from screwsim.study.asked.goals import read_goals
 from screwsim.study.seek import find_each, question
 from screwsim.study.stages import StageChain, read_stages
 from screwsim.study.stages.result import figures_of_both
+from screwsim.study.uncertainty.measured import read_measured
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import scene_dict, two_stages

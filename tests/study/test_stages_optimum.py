@@ -17,9 +17,9 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
 from screwsim.scene import cross_check
+from screwsim.study.best.optimum import optimum, question
 from screwsim.study.optimize import question as several
 from screwsim.study.optimize import run_question
-from screwsim.study.optimum import optimum, question
 from screwsim.study.stages import StageChain, read_stages
 from screwsim.study.stages.result import figures_of_both
 

@@ -17,9 +17,10 @@ from screwsim.outputs import Figures, Result
 from screwsim.scene.fields import leaves_of
 from screwsim.scene.model_errors import stored_model_errors
 from screwsim.study.datasheet.stages_points import points_sheet
-from screwsim.study.stages import points, read_stages, run_stages, solve
-from screwsim.study.stages.points import KeptPoints, sweep_stages
+from screwsim.study.stages import read_stages, run_stages, solve
 from screwsim.study.stages.result import ChainResult, figures_of_both
+from screwsim.study.sweep import stages as points
+from screwsim.study.sweep.stages import KeptPoints, sweep_stages
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import scene_dict, two_stages

@@ -15,11 +15,13 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene import with_values
-from screwsim.study.sensitivity import sensitivity
-from screwsim.study.spans import read_ranges
-from screwsim.study.stages import read_stages, run_stages
-from screwsim.study.stages.local import chain_sensitivities
+from screwsim.study.asked.spans import read_ranges
+from screwsim.study.seek.by_inputs import uncertainties_by_inputs
+from screwsim.study.stages import read_stages, run_stages, solve
 from screwsim.study.stages.result import figures_of_both
+from screwsim.study.uncertainty.measured import compare_measured, read_measured
+from screwsim.study.uncertainty.sobol import sensitivity
+from screwsim.study.uncertainty.stages import chain_sensitivities
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import two_stages
@@ -98,6 +100,16 @@ def test_indices_share_the_variance_between_inputs_of_both_stages(plant):
     assert {each.path: each.total for each in shares.indices} == pytest.approx({FIRST: 0.9, SECOND: 0.1}, abs=0.01)
 
 
+def test_the_derivative_by_a_pressure_drop_of_zero_is_that_beside_it(plant):
+    """Tolerance: the drop beside it is 3e-4 of the pressure between both."""
+    drop, slopes = "intercooler.pressure_drop", []
+    for stated in ("0 bar", "1 mbar"):
+        chain = read_stages(plant(intercooler=COOLED | {"pressure_drop": stated}))
+        slopes.append(chain_sensitivities(chain, [drop], COMPARED, fine=False).derivatives)
+    for name in COMPARED:
+        assert slopes[0][name][drop] == pytest.approx(slopes[1][name][drop], rel=3e-3), name
+
+
 @pytest.mark.around
 def test_a_solution_of_both_is_a_sample(plant, capsys):
     words = ["sensitivity", str(plant()), "--path", f"{SECOND}=1250 rpm..1350 rpm", "--samples", "2", "--jobs", "1"]
@@ -128,6 +140,23 @@ def test_what_a_study_of_two_stages_has_not_is_one_line(plant, tmp_path, monkeyp
     assert exit_code(["sensitivity", str(plant()), *words]) == 2
     error = capsys.readouterr().err
     assert told in error and error.count("\n") == 1
+
+
+@pytest.mark.around
+def test_a_known_solution_of_both_is_not_solved_again(plant, monkeypatch):
+    """`find` and `run --measured` solved it twice."""
+    path = plant(intercooler=COOLED | {"outlet_temperature": "288 K ± 3 K"})
+    solution = run_stages(read_stages(path)).as_result()
+    found = screwsim.sensitivities(path, [SECOND], ["shaft_power"], fine=False)
+    monkeypatch.setattr(solve, "_run", lambda *asked: pytest.fail("solved again"))
+    known = screwsim.sensitivities(path, [SECOND], ["shaft_power"], result=solution, fine=False)
+    assert known.derivatives["shaft_power"] == pytest.approx(found.derivatives["shaft_power"], rel=1e-9)
+    assert screwsim.uncertainty(path, result=solution).spreads["shaft_power"].standard > 0.0
+    by_inputs, why = uncertainties_by_inputs(read_stages(path), solution, {SECOND: 1300.0 * RPM}, ["shaft_power"])
+    assert by_inputs[SECOND].standard > 0.0 and why == ""
+    measured = read_measured(read_stages(path), [f"shaft_power={0.9 * solution.performance.shaft_power} W ± 1 %"])
+    monkeypatch.setattr("screwsim.study.uncertainty.measured._solved", lambda *asked: ([], {}))
+    assert compare_measured(read_stages(path), solution, measured).why == ""
 
 
 def test_a_result_of_one_machine_is_none_of_two(plant):

@@ -14,11 +14,12 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.scene import scene_text, with_values
 from screwsim.scene.types import COVERAGE
-from screwsim.study.stages import read_stages, run_stages, uncertain
-from screwsim.study.stages.points import KeptPoints, sweep_stages
+from screwsim.study.stages import read_stages, run_stages
 from screwsim.study.stages.store import chain_text
-from screwsim.study.stages.uncertain import with_uncertainty
-from screwsim.study.uncertain import tolerances_of
+from screwsim.study.sweep.stages import KeptPoints, sweep_stages
+from screwsim.study.uncertainty import stages_linear
+from screwsim.study.uncertainty.spreads import tolerances_of
+from screwsim.study.uncertainty.stages import with_uncertainty
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
 from scenes import scene_dict
@@ -293,7 +294,7 @@ def test_the_data_sheet_tells_it_at_its_own_point(plant, tmp_path, capsys):
 
 
 def test_an_input_without_a_derivative_is_told_of(plant, monkeypatch):
-    original = uncertain.sensitivities
+    original = stages_linear.scene_sensitivities
 
     def without_speed(scene, paths, **more):
         found = original(scene, [path for path in paths if path != "operation.speed"], **more)
@@ -301,7 +302,7 @@ def test_an_input_without_a_derivative_is_told_of(plant, monkeypatch):
             found, left_out={"operation.speed": "its cycle did not close"} if "operation.speed" in paths else {}
         )
 
-    monkeypatch.setattr(uncertain, "sensitivities", without_speed)
+    monkeypatch.setattr(stages_linear, "scene_sensitivities", without_speed)
     chain = read_stages(plant())
     found = with_uncertainty(chain, run_stages(chain))
     what = "the tolerance of second.operation.speed is not included in the uncertainties: its cycle did not close"
@@ -310,13 +311,13 @@ def test_an_input_without_a_derivative_is_told_of(plant, monkeypatch):
 
 
 def test_stages_without_a_derivative_by_their_line_have_no_uncertainty_and_say_why(plant, monkeypatch):
-    original = uncertain.sensitivities
+    original = stages_linear.scene_sensitivities
     none = {"operation.suction.temperature": "its cycle did not close"}
 
     def without_line(scene, paths, **more):
         return replace(original(scene, [path for path in paths if path not in none], **more), left_out=none)
 
-    monkeypatch.setattr(uncertain, "sensitivities", without_line)
+    monkeypatch.setattr(stages_linear, "scene_sensitivities", without_line)
     chain = read_stages(plant())
     found = with_uncertainty(chain, run_stages(chain))
     assert not found.uncertainty

@@ -22,11 +22,11 @@ from screwsim.results.table import InMemory, Table, join, regrouped, table_of
 from screwsim.results.write import Draft, write_tables
 from screwsim.scene import Scene, case, case_count
 from screwsim.scene.grid import dimensions
-from screwsim.study import shards
-from screwsim.study.cases import Blocks
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.shards import Parts
-from screwsim.study.sweep import run_sweep
+from screwsim.study.sweep import shards
+from screwsim.study.sweep.cases import Blocks
+from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep.shards import Parts
 
 pytestmark = pytest.mark.usefixtures("one_moment")
 LONG = SCENE + "sweep: {operation.speed: {from: 1000 rpm, to: 2000 rpm, count: 300}, oil_supply.ratio: [1, 2, 3]}\n"
@@ -48,7 +48,7 @@ def long() -> tuple[Scene, Table]:
 
 def test_small_parts_are_joined_and_the_file_is_the_same(reference, tmp_path, monkeypatch):
     monkeypatch.setattr(shards, "MOST_SMALL_PARTS", 3)
-    monkeypatch.setattr("screwsim.study.sweep.CHUNK_TRACES", 1)  # one block a part
+    monkeypatch.setattr("screwsim.study.sweep.run.CHUNK_TRACES", 1)  # one block a part
     output = tmp_path / "out.h5"
     with pytest.raises(KeyboardInterrupt):
         run_sweep(grid_scene(), output, jobs=1, simulate_many=chained, progress=StopAfter(8))
@@ -104,7 +104,7 @@ def test_parts_that_another_process_took_are_told_with_the_remedy(long, tmp_path
 
 def test_parts_that_are_no_whole_blocks_are_computed_again(reference, tmp_path, monkeypatch):
     output = tmp_path / "out.h5"
-    monkeypatch.setattr("screwsim.study.sweep.blocks_of", shorter_blocks)
+    monkeypatch.setattr("screwsim.study.sweep.run.blocks_of", shorter_blocks)
     with pytest.raises(KeyboardInterrupt):
         run_sweep(grid_scene(), output, jobs=1, simulate_many=chained, progress=StopAfter(3))
     monkeypatch.undo()

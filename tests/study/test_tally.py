@@ -6,9 +6,9 @@ import time
 
 import pytest
 
-from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import CountingProgress, Progress
-from screwsim.study.tally import SHOWN_EVERY, Place, Tally, no_mark
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import CountingProgress, Progress
+from screwsim.study.pool.tally import SHOWN_EVERY, Place, Tally, no_mark
 
 
 class Seen(CountingProgress):
@@ -66,7 +66,7 @@ def test_cases_that_are_solved_again_are_not_more_than_there_are_and_no_unfinish
 
 def test_one_process_alone_shows_its_cases_now_and_then(seen, monkeypatch):
     times = iter([0.0, 0.5 * SHOWN_EVERY, 2.0 * SHOWN_EVERY])
-    monkeypatch.setattr("screwsim.study.tally.time.monotonic", lambda: 100.0 + next(times))
+    monkeypatch.setattr("screwsim.study.pool.tally.time.monotonic", lambda: 100.0 + next(times))
     tally = Tally(seen, Place.HERE)
     for _ in range(3):
         tally.mark()
@@ -93,7 +93,7 @@ def test_a_sweep_and_an_optimisation_show_cases_before_a_chunk_is_finished(seen,
     """One block of six cases, and a batch of thirteen evaluations: both in this process, shown case by case."""
     import screwsim
 
-    monkeypatch.setattr("screwsim.study.tally.SHOWN_EVERY", 0.0)
+    monkeypatch.setattr("screwsim.study.pool.tally.SHOWN_EVERY", 0.0)
     point = screwsim.load(pytestconfig.rootpath / "configs" / "paper" / "point.yaml")
     rough = point.with_({"numerics.accuracy": "1e-2", "numerics.error": "none"})
     swept = rough.with_({"sweep.oil_supply.ratio": [1, 1.2, 1.4, 1.6, 1.8, 2]})

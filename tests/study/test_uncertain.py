@@ -9,9 +9,9 @@ import screwsim
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene.fields import value_at
-from screwsim.study import optimum
-from screwsim.study.sampled import checked_by_sample, drawn_inputs
-from screwsim.study.uncertain import uncertainty
+from screwsim.study.pool import solving
+from screwsim.study.uncertainty.point import uncertainty
+from screwsim.study.uncertainty.sampled import checked_by_sample, drawn_inputs
 
 POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 SPEED, VOLUME, GAP = "operation.speed", "machine.volume.max", "effects.tip_leakage.gap"
@@ -55,7 +55,7 @@ def test_a_sample_agrees_where_figures_are_linear_and_warns_where_they_are_not()
 
 def test_a_sample_of_which_a_part_has_no_figures_is_that_of_the_others(monkeypatch):
     scene = screwsim.load(POINT, [f"{GAP}=27.5 um ± 2 um", "numerics.error=none"])
-    linear, whole = uncertainty(scene), optimum._result_at
+    linear, whole = uncertainty(scene), solving._result_at
     part = checked_by_sample(scene, linear, 8, jobs=1)
     assert part.message == "" and part.sampled
 
@@ -63,7 +63,7 @@ def test_a_sample_of_which_a_part_has_no_figures_is_that_of_the_others(monkeypat
         def result(of, points, number):
             return Result("failed", "too hot (cool it)") if number < first else whole(of, points, number)
 
-        monkeypatch.setattr(optimum, "_result_at", result)
+        monkeypatch.setattr(solving, "_result_at", result)
         return checked_by_sample(scene, linear, 8, jobs=1)
 
     found = fails(2)

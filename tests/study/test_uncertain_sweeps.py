@@ -1,5 +1,7 @@
 """What the tolerances make of every case of a sweep: computed, stored, read, drawn; none of it without tolerances."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,9 +16,9 @@ from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.table import join, table_of
 from screwsim.scene import case
 from screwsim.study.datasheet import Sheet, SheetOptions, sheet_of
-from screwsim.study.part_files import is_whole, read_part, write_part
-from screwsim.study.sweep import run_sweep
-from screwsim.study.uncertain import uncertainty, with_uncertainty
+from screwsim.study.sweep.part_files import is_whole, read_part, write_part
+from screwsim.study.sweep.run import run_sweep
+from screwsim.study.uncertainty.point import uncertainty, with_uncertainty
 
 GAP, OTHER, RATIO = "effects.tip_leakage.gap", "effects.interlobe_leakage.gap", "oil_supply.ratio"
 TOLERANT = (
@@ -163,8 +165,8 @@ def test_an_input_without_a_derivative_is_told_and_in_no_figure(paper_point, mon
     scene = screwsim.load(paper_point, ["numerics.error=none", f"{GAP}=27.5 um ± 5 um"])
     result = screwsim.simulate(scene, trace=False)
     lost = uncertainty(scene, result=result)
-    lost = screwsim.study.uncertain.replace(lost, spreads={}, left_out={GAP: "not closed"})
-    monkeypatch.setattr("screwsim.study.uncertain.uncertainty", lambda *given, **more: lost)
+    lost = replace(lost, spreads={}, left_out={GAP: "not closed"})
+    monkeypatch.setattr("screwsim.study.uncertainty.point.uncertainty", lambda *given, **more: lost)
     found = with_uncertainty(scene, result)
     assert found.warnings[-1] == f"the tolerance of {GAP} is not included in the uncertainties: not closed"
     assert found.uncertainty["figures"] == {}

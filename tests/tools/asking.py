@@ -26,8 +26,8 @@ from screwsim.outputs import Figures
 from screwsim.scene import Scene, load, value_at
 from screwsim.scene.fields import Leaf, leaves_of, varies
 from screwsim.scene.values import text_of
-from screwsim.study.inputs import DISCRETE_KINDS
-from screwsim.study.spans import schema_range
+from screwsim.study.asked.inputs import DISCRETE_KINDS
+from screwsim.study.asked.spans import schema_range
 
 NEAR = 1.5  # factor within which numbers are changed ...
 KELVINS = 8.0  # ... and temperatures

@@ -45,7 +45,7 @@ from screwsim.inputs.faults import ImpossibleValue, SceneError, UsageError  # no
 from screwsim.model import leases  # noqa: E402
 from screwsim.scene import Scene, cross_check, load, with_values  # noqa: E402
 from screwsim.solve.circuit import solve_with_surroundings, steady_state  # noqa: E402
-from screwsim.study.local import numeric_paths  # noqa: E402
+from screwsim.study.uncertainty.slopes import numeric_paths  # noqa: E402
 
 SHIPPED = {
     "paper": "configs/paper/point.yaml",

@@ -37,7 +37,7 @@ from screwsim.simulate import simulate
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.residuals import Objective
 from screwsim.study.calibration.solve import Calibration
-from screwsim.study.sweep import default_simulate_many
+from screwsim.study.sweep.run import default_simulate_many
 
 ROOT = Path(__file__).resolve().parents[2]
 SCREWS = "paper/point paper/uncertain r134a/point r134a/separator control/point ammonia/flooded r454b/point everything"

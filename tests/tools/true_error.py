@@ -20,7 +20,7 @@ from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
 from screwsim.study.accuracy.solving import WorkLimit, method_of, solve
-from screwsim.study.parallel import WarmSimulation
+from screwsim.study.pool.parallel import WarmSimulation
 
 RPM = 2.0 * math.pi / 60.0
 FINER = 2e-2, 5e-3, 1e-3  # accuracies of finer solutions over the wanted one: tried until two agree

@@ -9,7 +9,7 @@ import pytest
 
 import screwsim
 from screwsim.scene.model_errors import range_text, stored_model_errors
-from screwsim.study.uncertain import model_error
+from screwsim.study.uncertainty.model_error import model_error
 from screwsim.study.validation import ValidationPoint, compared, model_errors
 from screwsim.study.validation.discrepancy import interval
 from screwsim.study.validation.record import errors_report

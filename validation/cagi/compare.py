@@ -10,13 +10,14 @@ from pathlib import Path
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from screwsim.effects.parts.rating import CFM, HORSEPOWER, PSI, STANDARDS, isentropic_power
+from screwsim.effects.parts.rating import STANDARDS, isentropic_power
 from screwsim.outputs import Figures
+from screwsim.outputs.us_units import CFM, HORSEPOWER, PSI
 from screwsim.scene import Scene, load, with_values
 from screwsim.scene.lines import lines
 from screwsim.scene.model_errors import RATIO, SPEED
 from screwsim.simulate import simulate_many
-from screwsim.study.uncertain import conditions_of
+from screwsim.study.uncertainty.model_error import conditions_of
 from screwsim.study.validation import (
     Comparison,
     NotRun,

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from screwsim.export.inputs import Input
     from screwsim.export.map_table import MapTable
     from screwsim.export.polynomials import Polynomials
-    from screwsim.study.varied import Varied
+    from screwsim.study.asked.varied import Varied
 
 app = typer.Typer(
     help="Write files for other tools: FMU, maps for system simulation, rotor loads.",
@@ -69,7 +69,7 @@ def _announce_tespy(scene: Varied, inputs: Sequence[Input]) -> None:
 
 
 def _announce_map(scene: Varied, inputs: Sequence[Input]) -> None:
-    from screwsim.study.inputs import shown_range
+    from screwsim.study.asked.inputs import shown_range
 
     ranges = []
     for one in inputs:

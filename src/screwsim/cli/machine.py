@@ -32,7 +32,7 @@ def _creep_speed(text: str) -> float:
 @contextmanager
 def _shown_speed() -> Iterator[Callable[[float], None]]:
     """Give a function that shows how far a start has come, by its speed over the steady one, on a terminal."""
-    from screwsim.study.progress import CountingProgress, OverwrittenLine
+    from screwsim.study.pool.progress import CountingProgress, OverwrittenLine
 
     on_terminal = sys.stderr is not None and sys.stderr.isatty()
     shown = OverwrittenLine("startup, % of the steady speed") if on_terminal else CountingProgress()

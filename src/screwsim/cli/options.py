@@ -18,8 +18,8 @@ from screwsim.screen import say
 if TYPE_CHECKING:
     from screwsim.scene import Scene
     from screwsim.scene.grid import Swept
-    from screwsim.study.progress import Progress
-    from screwsim.study.stages.read import StageChain
+    from screwsim.study.pool.progress import Progress
+    from screwsim.study.stages.chain import StageChain
 
 AnyScene = TypeVar("AnyScene", bound="Scene | StageChain")
 OK, INTERNAL, USAGE, BAD_SCENE, NOT_ALL_OK, INTERRUPTED = 0, 1, 2, 3, 4, 130
@@ -76,7 +76,7 @@ def refuse_for_stages(file: str, verb: str, options: Mapping[str, Any]) -> None:
 
 def progress_bar(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
     """Return a progress display on stderr for a study."""
-    from screwsim.study.progress import for_terminal
+    from screwsim.study.pool.progress import for_terminal
 
     return for_terminal(title, names)
 
@@ -84,7 +84,7 @@ def progress_bar(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
 @contextlib.contextmanager
 def counted_progress(title: str, what: str) -> Iterator[Progress]:
     """Give a progress display; after Ctrl-C, say on stderr how much was done, in a word for the points (`machines`)."""
-    from screwsim.study.progress import CountingProgress
+    from screwsim.study.pool.progress import CountingProgress
 
     shown = progress_bar(title)
     counted = shown if isinstance(shown, CountingProgress) else CountingProgress()

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from screwsim.outputs import Result
     from screwsim.scene import Scene
     from screwsim.study.knock_out import LeftOut
-    from screwsim.study.measured import MeasuredFigure
     from screwsim.study.stages import StageChain
+    from screwsim.study.uncertainty.measured import MeasuredFigure
 
 
 SHEETS = (".csv", ".html", ".pdf")  # endings of the points of two stages, beside those of results
@@ -59,19 +59,19 @@ def run(
 
     points: tuple[MeasuredFigure, ...] = ()
     if measured:  # mistakes are reported before anything is simulated
-        from screwsim.study.measured import read_measured
+        from screwsim.study.uncertainty.measured import read_measured
 
         points = read_measured(scene, measured)
     left_out = (*read_groups(scene, together or ()), *(each_alone(scene) if knock_out else ()))
     result = _simulated(scene, left_out, traced=output is not None)
     if output is not None:
-        from screwsim.study.local import save_point
+        from screwsim.study.uncertainty.point import save_point
 
         options.check_place(output)  # again: a file that has appeared meanwhile is kept
         save_point(output, scene, result)
     compared = None
     if points:
-        from screwsim.study.measured import compare_measured
+        from screwsim.study.uncertainty.measured import compare_measured
 
         compared = compare_measured(scene, result, points)
     if as_json:
@@ -100,7 +100,7 @@ def _simulated(scene: Scene, left_out: Sequence[LeftOut], traced: bool) -> Resul
         names = [f"without {each.name}" for each in left_out]
         result = knock_out(scene, result, options.progress_bar("knock-out", names), left_out)
     if scene.uncertain or scene.model_error:
-        from screwsim.study.uncertain import with_uncertainty
+        from screwsim.study.uncertainty.point import with_uncertainty
 
         result = with_uncertainty(scene, result)
     return result
@@ -127,11 +127,11 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, measured: Sequ
     from screwsim.printing import print_json
     from screwsim.printing.measured import print_measured
     from screwsim.printing.stages import print_stages
-    from screwsim.study.local import with_slopes
-    from screwsim.study.measured import compare_measured, read_measured
     from screwsim.study.stages import read_stages, run_stages
     from screwsim.study.stages.store import chain_point, save_chain
-    from screwsim.study.stages.uncertain import with_uncertainty
+    from screwsim.study.uncertainty.measured import compare_measured, read_measured
+    from screwsim.study.uncertainty.point import with_slopes
+    from screwsim.study.uncertainty.stages import with_uncertainty
 
     chain = read_stages(file, overrides or ())
     if output is not None:
@@ -202,7 +202,7 @@ def sweep(
             "one point is simulated by screwsim run)"
         )
     from screwsim.printing import print_json, print_sweep, sweep_document
-    from screwsim.study.sweep import run_sweep
+    from screwsim.study.sweep.run import run_sweep
 
     if output is not None:
         options.check_results(output)
@@ -221,8 +221,8 @@ def _sweep_stages(
     from screwsim.report.datasheet import check_sheet, write_sheet
     from screwsim.study.datasheet.stages_points import points_sheet
     from screwsim.study.stages import read_stages
-    from screwsim.study.stages.points import KeptPoints, sweep_stages
     from screwsim.study.stages.store import check_place_of_points, save_chain
+    from screwsim.study.sweep.stages import KeptPoints, sweep_stages
 
     chain = read_stages(file, overrides or ())
     if not chain.sweep:

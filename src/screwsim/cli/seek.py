@@ -13,7 +13,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
 if TYPE_CHECKING:
-    from screwsim.study.varied import Varied
+    from screwsim.study.asked.varied import Varied
 
 FIT_FILE = argument("FIT", "Machine, parameters and points: a fit's YAML file.")
 OTHER_SCENE = option("SCENE", "Machine to use instead of the fit's own, e.g. scene.yaml of a calibration.", "--scene")

@@ -16,7 +16,7 @@ from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.screen import say
 
 if TYPE_CHECKING:
-    from screwsim.study.varied import Varied
+    from screwsim.study.asked.varied import Varied
 
 
 def optimum(
@@ -39,9 +39,9 @@ def optimum(
     """Find the best value of one path at each point of the sweep's other axes, of a scene or of two stages."""
     scene = options.loaded_scene_or_stages(scene_file, "optimum", overrides, without)
     from screwsim.printing.optimum import optimum_document, print_optimum, write_optimum
-    from screwsim.study.inputs import efficiency_note
-    from screwsim.study.optimum import optimum as found
-    from screwsim.study.optimum import question
+    from screwsim.study.asked.inputs import efficiency_note
+    from screwsim.study.best.optimum import optimum as found
+    from screwsim.study.best.optimum import question
 
     asked = question(scene, path, figure, minimum=minimum, first=first, last=last)
     options.check_columns(output, "optimum of", "accuracy", "solutions", "failed_solutions", "place")
@@ -72,8 +72,8 @@ def performance_map(
     """Fit the ten AHRI 540 / EN 12900 coefficients to a sweep over both temperatures, or evaluate them."""
     from screwsim.printing import performance_map as printed
     from screwsim.results import open_results
-    from screwsim.study.map_points import points_at
-    from screwsim.study.performance_map import performance_maps
+    from screwsim.study.maps.map_points import points_at
+    from screwsim.study.maps.performance_map import performance_maps
 
     results = open_results(results_file)
     options.check_target(output, ".csv", ".json")
@@ -127,10 +127,10 @@ def sensitivity(
         raise UsageError(f"{places[0]}: has no range (write --path PATH=LOW..HIGH, or add --local)")
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
     from screwsim.printing.tables import wrapped
-    from screwsim.study.inputs import efficiency_note
-    from screwsim.study.sensitivity import check_samples, cost_in_words, usual_samples
-    from screwsim.study.sensitivity import sensitivity as studied
-    from screwsim.study.spans import read_ranges
+    from screwsim.study.asked.inputs import efficiency_note
+    from screwsim.study.asked.spans import read_ranges
+    from screwsim.study.uncertainty.sobol import check_samples, cost_in_words, usual_samples
+    from screwsim.study.uncertainty.sobol import sensitivity as studied
 
     options.check_columns(output, "Sobol indices", "figure", "path", "first_order", "total")
     names = tuple(dict.fromkeys(figures or ()))
@@ -155,8 +155,8 @@ def _checked_uncertainty(
 ) -> int:
     """Print and write the linear uncertainties of figures beside those of a sample of the inputs."""
     from screwsim.printing.uncertain import check_document, print_check, write_check
-    from screwsim.study.figures import figure_of
-    from screwsim.study.sampled import checked_by_sample, linear_uncertainty, refuse_count
+    from screwsim.study.asked.figures import figure_of
+    from screwsim.study.uncertainty.sampled import checked_by_sample, linear_uncertainty, refuse_count
 
     options.check_columns(output, "linear and sampled uncertainties", "figure", "linear", "sampled")
     names = [figure_of(of, name) for name in figures]
@@ -178,8 +178,8 @@ def _local_sensitivity(
     """Print and write the derivatives of a scene's figures by its numbers."""
     from screwsim.printing.sensitivity import local_document, print_local, write_local
     from screwsim.scene import Scene
-    from screwsim.study.figures import figure_of
-    from screwsim.study.local import sensitivities
+    from screwsim.study.asked.figures import figure_of
+    from screwsim.study.uncertainty.point import sensitivities
 
     if output is not None and not isinstance(scene, Scene) and output.suffix.lower() != ".csv":
         raise UsageError(f"-o {output}: derivatives of two stages are a table (write -o {output.with_suffix('.csv')})")

@@ -15,6 +15,7 @@ import numpy as np
 from screwsim.cycle.between_ends import missed_pressure
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.trajectory import Trajectory
+from screwsim.numerics.parabola import vertex
 
 Array = np.ndarray
 POINTS = 360  # angles of a pitch: 0.25° apart with four lobes
@@ -115,10 +116,8 @@ class Pitch(NamedTuple):
 def _tops(values: Array) -> Array:
     """Return where the tops of parabolas lie, in units of `BESIDE`; 0 at a corner, which bends half as much at 2."""
     far, near, top, after, beyond = values.T
-    bend = near - 2.0 * top + after
-    smooth = np.abs(far - 2.0 * top + beyond) > SMOOTH * np.abs(bend)
-    tops = np.divide(near - after, 2.0 * bend, out=np.zeros(len(bend)), where=smooth & (bend != 0.0))
-    return np.clip(tops, -1.0, 1.0)
+    smooth = np.abs(far - 2.0 * top + beyond) > SMOOTH * np.abs(near - 2.0 * top + after)
+    return np.clip(np.where(smooth, vertex(near, top, after), 0.0), -1.0, 1.0)
 
 
 def pitch_of(

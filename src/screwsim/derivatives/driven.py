@@ -12,7 +12,7 @@ import numpy as np
 from screwsim.derivatives.around import motion_of
 from screwsim.derivatives.collocation import CollocatedCycle, NotClosed
 from screwsim.derivatives.directions import Direction, Directions
-from screwsim.derivatives.response import CycleResponse, responses, shifted_evaluation, unshifted_evaluation
+from screwsim.derivatives.response import CycleResponse, image, responses, shifted_evaluation, unshifted_evaluation
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.model import speed
 from screwsim.solve.drive import speed_curve_of
@@ -27,10 +27,12 @@ def closed_with_drive(
 ) -> tuple[list[Direction], CycleResponse]:
     """Return directions (at least one) with the response of the drive, where there is one, and that of the cycle."""
     composition, found = cycle.pitch.machinery.composition, list(directions)
-    moves = responses(cycle, found, all_directions)
-    if composition.speed_curve is None:
+    here = unshifted_evaluation(cycle, all_directions)
+    unmoved, driven = image(here), composition.speed_curve is not None
+    own = _curve_of(here) if driven else np.zeros(0)
+    moves = responses(cycle, found, all_directions, unmoved)
+    if not driven:
         return found, moves
-    own = _curve_of(unshifted_evaluation(cycle, all_directions))
     last, moved = np.zeros((len(found), speed.ROWS - 1)), np.inf
     for _ in range(MOST_ROUNDS):
         curves = []
@@ -43,7 +45,7 @@ def closed_with_drive(
             return found, moves
         at = speed.curve_places(composition)
         found, last = [each.with_parameters(at, change) for each, change in zip(directions, curves, strict=True)], now
-        moves = responses(cycle, found, all_directions)
+        moves = responses(cycle, found, all_directions, unmoved)
         if moved * moved <= SETTLED * before < np.inf:  # what the next round would still change
             return found, moves
     raise NotClosed("the response of the drive does not converge")

@@ -37,20 +37,24 @@ def _moved(pitch: CollocatedPitch, response: Response, unknowns: Array) -> Cycle
     return CycleResponse(response, unknowns, cache(lambda: pitch.life(response.start, response.nodes)))
 
 
-def responses(cycle: CollocatedCycle, directions: Sequence[Direction], all_directions: Directions) -> CycleResponse:
-    """Return the response of the cycle and its unknowns to directions (at least one), a column each."""
+def responses(
+    cycle: CollocatedCycle, directions: Sequence[Direction], all_directions: Directions, own: Array
+) -> CycleResponse:
+    """Return the response of the cycle and its unknowns to directions (at least one), a column each.
+
+    `own` is the `image` of the unchanged cycle.
+    """
     linear, pitch = all_directions.along(directions), cycle.pitch
     off = np.zeros((len(cycle.unknowns_in), len(directions)))
     held = _moved(pitch, linear.by_changes, off.copy())
-    own = _coordinates(unshifted_evaluation(cycle, all_directions))
     for j, direction in enumerate(directions):
-        image = _coordinates(shifted_evaluation(cycle, direction, held.by(j), all_directions))
-        off[:, j] = np.where(linear.given, direction.stated, (image - own) / direction.step)
+        there = image(shifted_evaluation(cycle, direction, held.by(j), all_directions))
+        off[:, j] = np.where(linear.given, direction.stated, (there - own) / direction.step)
     unknowns = np.stack([solve_unknowns(linear.back, each, linear.given) for each in off.T], axis=-1)
     return _moved(pitch, linear.by_changes.added(linear.by_unknowns.weighted(unknowns)), unknowns)
 
 
-def _coordinates(of: Evaluation) -> Array:
+def image(of: Evaluation) -> Array:
     """Return the next values of a cycle's unknowns, in coordinates."""
     return of.problem.entries.coordinates(of.image)
 

@@ -21,7 +21,9 @@ from screwsim.model import slots
 from screwsim.model.numbers import oil_places
 from screwsim.model.trajectory import Array, Trajectory
 
-NONE_LEFT = "no net gas is delivered to leave the separator"
+NONE_LEFT = (
+    "no net gas is delivered to leave the separator (choose smaller leaks, a higher speed or a lower pressure ratio)"
+)
 
 
 class Circuit(NamedTuple):

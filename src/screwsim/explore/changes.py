@@ -26,8 +26,8 @@ from screwsim.scene.units import Refused
 from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.write import quoted
 from screwsim.scene.yaml_tree import LocatedFaults, Position, compose
-from screwsim.study.agreement import FileWatch
 from screwsim.study.scene_files import lines_of, put
+from screwsim.study.sweep.agreement import FileWatch
 
 # kinds of fields; only the command may state a fluid, a file or a word
 CHANGEABLE_KINDS = {*KINDS, "number", "count", "choice"}

@@ -32,7 +32,7 @@ from screwsim.explore.pages import LONGEST_MESSAGE, InvalidMessage, Page, RateLi
 from screwsim.explore.worker import Job
 from screwsim.explore.worker_pool import Timeouts, WorkerPool, start_fork_server
 from screwsim.inputs.faults import UsageError
-from screwsim.study.workers import cores
+from screwsim.study.pool.workers import cores
 
 MOST_PAGES = 32  # most pages open at once
 WRONG, FULL = 1008, 1013  # close codes of a connection

@@ -35,7 +35,7 @@ from screwsim.numerics.folder import adopt_worker_state
 from screwsim.scene.types import Scene
 from screwsim.scene.units import Refused
 from screwsim.simulate import simulate
-from screwsim.study.workers import end_with_parent
+from screwsim.study.pool.workers import end_with_parent
 
 NOTE, DONE = "note", "done"
 SECTIONS = ("machine", "gas", "oil", "operation", "oil_supply", "effects", "numerics", "output", "sweep")
@@ -145,8 +145,8 @@ def _slopes(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) 
     They come with the uncertainties due to the tolerances of the scene.
     """
     from screwsim.derivatives.solving import scene_derivatives
-    from screwsim.study.local import numeric_paths
-    from screwsim.study.uncertain import spreads_of
+    from screwsim.study.uncertainty.slopes import numeric_paths
+    from screwsim.study.uncertainty.spreads import spreads_of
 
     values = numeric_paths(scene)[0]
     by_path = scene_derivatives(scene, values).derivatives
@@ -165,7 +165,7 @@ def _report(base: SceneArguments, overrides: list[str], scene: Scene, job: Job) 
     """Return the page of a results file of one point."""
     from screwsim.report.page import page_of
     from screwsim.results import open_results, save
-    from screwsim.study.uncertain import with_uncertainty
+    from screwsim.study.uncertainty.point import with_uncertainty
 
     with tempfile.TemporaryDirectory(prefix="screwsim-") as folder:
         path = Path(folder) / "explored.h5"

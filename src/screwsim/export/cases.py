@@ -14,6 +14,7 @@ from screwsim.fluid.constants import gas_constant
 from screwsim.fluid.settings import GasSettings
 from screwsim.outputs import PERFORMANCE, Figure
 from screwsim.outputs.customary import ZERO_CELSIUS
+from screwsim.outputs.us_units import BTU, CUBIC_FOOT, FOOT, GALLON, HORSEPOWER, POUND, POUND_FORCE, PSI
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder, write_csv
 from screwsim.results.protection import protect_other_heads
@@ -26,13 +27,6 @@ from screwsim.study.calibration.data import UNCERTAINTY_SUFFIX
 Array = np.ndarray
 SI, METRIC, US = "si", "metric", "us"
 FAHRENHEIT = 1.8  # degF per K
-FOOT, POUND = 0.3048, 0.45359237  # [m], [kg], exact
-POUND_FORCE = POUND * 9.80665  # [N]
-HORSEPOWER = 550.0 * FOOT * POUND_FORCE  # [W]
-PSI = POUND_FORCE / (FOOT / 12.0) ** 2  # [Pa]
-CUBIC_FOOT = FOOT**3  # [m³]
-GALLON = 231.0 * (FOOT / 12.0) ** 3  # [m³], US
-BTU = 2326.0 * POUND  # [J], of the International Table
 KELVIN, PRESSURE_DIFFERENCE = "kelvin", "pressure difference"  # units of differences, in K and in Pa
 _DIFFERENCES = {"temperature_difference": KELVIN, "pressure_difference": PRESSURE_DIFFERENCE}  # kind of input: unit
 _LOST = ("loss", "drop", "difference")  # last words of figures that are differences of pressure

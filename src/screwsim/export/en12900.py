@@ -8,14 +8,14 @@ import numpy as np
 from screwsim.export.polynomials import Polynomials, document, temperature_limits
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
+from screwsim.outputs.us_units import BTU, POUND
 from screwsim.scene.operation import SUBCOOLING
 from screwsim.scene.units import ZERO_CELSIUS
-from screwsim.study.performance_map import COEFFICIENT_NAMES, PerformanceMap
-from screwsim.study.varied import names_of
+from screwsim.study.maps.performance_map import COEFFICIENT_NAMES, PerformanceMap
+from screwsim.study.stages.axes import names_of
 
 FIGURES = ("cooling_capacity", "shaft_power", "gas_mass_flow")
 OPTIONAL_FIGURES = ("electrical_power", "heating_capacity")  # included where a result has them
-POUND, BTU = 0.45359237, 1055.05585262  # [kg], [J]
 _IP = {
     "cooling_capacity": ("Btu/h", 3600.0 / BTU),
     "shaft_power": ("W", 1.0),

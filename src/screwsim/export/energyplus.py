@@ -7,7 +7,7 @@ from typing import Any
 
 from screwsim.export.polynomials import Polynomials, quadratic, rated_temperatures, temperature_limits
 from screwsim.scene.operation import SUBCOOLING
-from screwsim.study.performance_map import TERMS
+from screwsim.study.maps.performance_map import TERMS
 
 CAPACITY, POWERS = "cooling_capacity", ("electrical_power", "shaft_power")  # the motor's power where there is one
 BICUBIC = ((0, 0), (1, 0), (2, 0), (0, 1), (0, 2), (1, 1), (3, 0), (0, 3), (2, 1), (1, 2))  # its order of terms

@@ -14,12 +14,12 @@ from screwsim.outputs import Figure
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene
 from screwsim.scene.grid import Swept, joints_of, unit_of
-from screwsim.study.figures import figure_of
-from screwsim.study.inputs import check_continuous
-from screwsim.study.short_names import short_name
-from screwsim.study.spans import read_ranges, read_spans
-from screwsim.study.stages.axes import STAGE_NAMES
-from screwsim.study.varied import Varied, leaf_of, names_of, value_at
+from screwsim.study.asked.figures import figure_of
+from screwsim.study.asked.inputs import check_continuous
+from screwsim.study.asked.spans import read_ranges, read_spans
+from screwsim.study.asked.varied import Varied, leaf_of, value_at
+from screwsim.study.maps.short_names import short_name
+from screwsim.study.stages.axes import STAGE_NAMES, names_of
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 _DERIVED: dict[str, dict[str, int]] = {

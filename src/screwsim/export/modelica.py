@@ -12,7 +12,7 @@ from screwsim.export.map_table import MapTable
 from screwsim.export.table import scales
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figure
-from screwsim.study.performance_map import TERMS
+from screwsim.study.maps.performance_map import TERMS
 
 WRITTEN_MARK = "written by screwsim; error "  # in the first line of a package
 FINE_POINTS = 25  # points along an axis to which polynomials are fitted, and at which errors are evaluated

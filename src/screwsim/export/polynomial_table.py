@@ -17,7 +17,7 @@ from screwsim.export.inputs import Input
 from screwsim.export.map_table import MapTable
 from screwsim.export.table import scales
 from screwsim.inputs.faults import UsageError
-from screwsim.study.performance_map import TERMS, temperature_paths
+from screwsim.study.maps.performance_map import TERMS, temperature_paths
 from screwsim.study.stages.axes import STAGE_NAMES
 
 FITTED_VALUES = 6  # values of each temperature to which a polynomial is fitted

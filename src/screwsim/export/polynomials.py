@@ -18,8 +18,9 @@ from screwsim.results.read import STAGES
 from screwsim.scene import Scene
 from screwsim.scene.grid import joints_of
 from screwsim.scene.operation import QUALITY, SUBCOOLING, SUPERHEAT
-from screwsim.study.map_points import place_in_words, shown_name
-from screwsim.study.performance_map import (
+from screwsim.study.asked.varied import Varied, value_at
+from screwsim.study.maps.map_points import place_in_words, shown_name
+from screwsim.study.maps.performance_map import (
     FORMULA,
     PerformanceMap,
     conditions,
@@ -27,8 +28,8 @@ from screwsim.study.performance_map import (
     performance_maps,
     temperature_paths,
 )
-from screwsim.study.progress import Progress
-from screwsim.study.varied import Varied, names_of, value_at
+from screwsim.study.pool.progress import Progress
+from screwsim.study.stages.axes import names_of
 
 SATURATION_NODES, OTHER_NODES = 6, 3  # number of values where --over gives ranges
 RATED_TEMPERATURES = {"S": 5.0, "D": 45.0}  # [°C] used where the envelope contains it, else its middle

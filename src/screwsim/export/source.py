@@ -18,10 +18,10 @@ from screwsim.results import Results, open_results
 from screwsim.scene import Scene, load, loads
 from screwsim.scene.units import Refused, parse_quantity
 from screwsim.simulate import simulate
-from screwsim.study.figures import figure_named
-from screwsim.study.progress import Progress
+from screwsim.study.asked.figures import figure_named
+from screwsim.study.asked.varied import Varied, accuracy_of
+from screwsim.study.pool.progress import Progress
 from screwsim.study.stages import is_stages, read_stages
-from screwsim.study.varied import Varied, accuracy_of
 
 DEFAULT_ERROR = 0.005  # relative error of a map, if none is requested
 MOST_CASES = 5000

@@ -39,11 +39,11 @@ from screwsim.results.schema import Axis
 from screwsim.results.warning_kinds import kinds_of, warnings_of_cases
 from screwsim.scene import Scene, scene_text
 from screwsim.scene.types import Joint
-from screwsim.study.progress import Progress
-from screwsim.study.stages.points import sweep_stages
+from screwsim.study.asked.varied import Varied
+from screwsim.study.pool.progress import Progress
 from screwsim.study.stages.store import chain_text, save_chain
-from screwsim.study.sweep import run_sweep
-from screwsim.study.varied import Varied
+from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep.stages import sweep_stages
 
 CHECK_POINTS = 32  # check points drawn
 SAFETY_SHARE = 0.7  # of the requested error: required at the check points, so that other points meet the requested one

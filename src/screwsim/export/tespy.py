@@ -21,8 +21,8 @@ from screwsim.scene import Scene, lines
 from screwsim.scene.derived_values import SPEED
 from screwsim.scene.grid import case, case_count, joints_of
 from screwsim.scene.operation import EVAPORATING, SUBCOOLING
-from screwsim.study.performance_map import temperature_paths
-from screwsim.study.varied import Varied
+from screwsim.study.asked.varied import Varied
+from screwsim.study.maps.performance_map import temperature_paths
 
 FIGURES = ("isentropic_efficiency", "volumetric_efficiency")
 SEPARATOR = "separator_temperature"

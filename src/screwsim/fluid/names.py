@@ -21,9 +21,10 @@ def why_no_blend(fluid: str) -> str | None:
 
 
 def same_fluid(name: str) -> str | None:
-    """Return the name or alias of the fluid that differs only in case, blanks or hyphens: 'r-134A' gives 'R134a'.
+    """Return the name or alias of the fluid that differs only in case, blanks or hyphens: 'r-134A' gives "'R134a'".
 
-    A name that is merely similar belongs to another fluid: R134z is not R134a, and R454B not R404A.
+    A name without its isomer gives those that there are: "'R1234ze(E)' or 'R1234ze(Z)'". One that is merely similar
+    belongs to another fluid: R134z is not R134a, and R454B not R404A.
     """
 
     def question() -> list[list[str]]:
@@ -32,10 +33,13 @@ def same_fluid(name: str) -> str | None:
         names = coolprop.get_global_param_string("FluidsList").split(",")
         return [[each, *coolprop.get_fluid_param_string(each, "aliases").split(",")] for each in names]
 
-    wanted = _bare(name)
-    found = [[each for each in known if _bare(each) == wanted] for known in ask("fluids", question) if wanted]
-    found = [names for names in found if names]
-    return found[0][0] if len(found) == 1 else None
+    wanted, fluids = _bare(name), ask("fluids", question)
+    found = sorted(known[0] for known in fluids if "(" in known[0] and _bare(known[0].partition("(")[0]) == wanted)
+    if not found and wanted:
+        same = ([each for each in known if _bare(each) == wanted] for known in fluids)
+        found = [names[0] for names in same if names]
+        found = found if len(found) == 1 else []
+    return " or ".join(map(repr, found)) or None
 
 
 def _bare(name: str) -> str:

@@ -17,8 +17,8 @@ from screwsim.printing.uncertain import ranges_text, uncertainty_ranges
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
 from screwsim.screen import json_safe, printable, say
-from screwsim.study.inputs import shown_value
-from screwsim.study.sweep import SweepSummary
+from screwsim.study.asked.inputs import shown_value
+from screwsim.study.sweep.run import SweepSummary
 
 LEAST_SHOWN_LOSS = 5e-5  # of the shaft power: smaller losses would be shown as 0.00 %
 MOST_FAILURES = 20  # listed for one sweep; all are in its file

@@ -19,13 +19,14 @@ from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.protection import protect_other_json, protect_other_text
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
+from screwsim.study.asked.inputs import in_customary, shown_number, shown_value
 from screwsim.study.calibration.fit import TOLERANCE_REMEDY, Parameter, Prior
 from screwsim.study.calibration.hypotheses import LEAST_CHANCE, chance_of_misfit
 from screwsim.study.calibration.identifiability import CORRELATED, WEAK_VALUE
 from screwsim.study.calibration.other_inputs import errors_by_inputs
 from screwsim.study.calibration.solve import Calibration, ComparedMeasurement
-from screwsim.study.inputs import in_customary, shown_number, shown_value
 from screwsim.study.scene_files import FITTED_LINE, fitted_text
+from screwsim.study.uncertainty.spreads import not_included
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
 _HALF_INTERVAL = "taken as half of a 95 % interval, two standard deviations (prior: none omits it)"
@@ -44,6 +45,7 @@ def calibration_document(found: Calibration) -> dict[str, Any]:
             {"paths": list(each.paths), "changes": dict(zip(found.values, each.changes, strict=True))}
             for each in found.shifts
         ],
+        "left_out": dict(found.left_out),
         "correlation": None if known is None else known.correlation,
         "singular_values": None if known is None else known.singular,
         "not_told_apart": [] if known is None else [asdict(each) for each in known.open],
@@ -244,6 +246,7 @@ def _warnings(found: Calibration) -> Iterator[str]:
     known = found.certainty
     for name, reason in found.reasons.items():
         yield f"{name} has no solution: {reason}"
+    yield from (f"warning: {text}" for text in not_included(found.left_out))
     for count, text in kinds_of(found.warnings.values()):
         first = next(name for name, texts in found.warnings.items() if text in texts)
         others = f" and {count - 1} other point{'s' * (count > 2)}" if count > 1 else ""

@@ -7,6 +7,7 @@ from typing import Any
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.screen import say
+from screwsim.study.asked.inputs import CELSIUS, in_customary, shown_number, shown_value, unit_of_change
 from screwsim.study.calibration.diagnosis import Diagnosis
 from screwsim.study.calibration.hypotheses import (
     INTERVAL_LEVEL,
@@ -17,7 +18,7 @@ from screwsim.study.calibration.hypotheses import (
     Hypothesis,
 )
 from screwsim.study.calibration.identifiability import BOUND_DISTANCE
-from screwsim.study.inputs import shown_value, unit_of_change
+from screwsim.study.uncertainty.spreads import not_included
 
 NOTHING_CHANGED = "nothing changed"
 ANY_VALUE = "any"  # value of a parameter about which the points say almost nothing
@@ -37,6 +38,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         "not_told_apart": [each._asdict() for each in found.alike],
         **picked(found, told_next_to_nothing_of="untold", probability_of_a_misfit_as_large="chance"),
         **picked(found, uncertain_inputs="inputs", points_without_solution="reasons"),
+        "left_out": dict(found.left_out),
         **picked(found, "solutions", failed_solutions="failed"),
     }
 
@@ -78,10 +80,19 @@ def _rows(found: Diagnosis, each: Hypothesis) -> Iterator[list[str]]:
         per, unit = unit_of_change(found.fit.scene, change.path, change.value)
         low, high = (f"{per * by:+.2g}" for by in (change.low, change.high))
         probability, misfit = ("", "") if number else beside
-        sizes = [f"{per * change.change:+.3g}", f"{low} … {high}", f"{per * change.value:.4g}", unit]
+        value, own = _value(found, change.path, change.value)
+        sizes = [f"{per * change.change:+.3g}", f"{low} … {high}", value, own]
         if change.path in found.untold:
             sizes = [ANY_VALUE, f"{low} … {high}", "", unit]
         yield [name + mark, probability, *sizes, misfit]
+
+
+def _value(found: Diagnosis, path: str, value: float) -> tuple[str, str]:
+    """Return a value [SI] of a path in the unit of its changes, and that unit; a temperature in °C."""
+    if in_customary(found.fit.scene, path, value)[1] == CELSIUS:
+        return shown_number(found.fit.scene, path, value), CELSIUS
+    per, unit = unit_of_change(found.fit.scene, path, value)
+    return f"{per * value:.4g}", unit
 
 
 def _amount(found: Diagnosis, change: Change) -> str:
@@ -137,6 +148,7 @@ def _findings(found: Diagnosis) -> Iterator[str]:
         )
     beside = f"; {', '.join(found.inputs)} known to within their tolerances and priors" if found.inputs else ""
     yield f"misfit: chi squared at the best estimate of each{beside}"
+    yield from (f"warning: {text}" for text in not_included(found.left_out))
     if any(hypothesis.linear for hypothesis in found.hypotheses):
         yield "* from the slopes of the unchanged machine only (improbable, or no other solution was found)"
 
@@ -167,6 +179,5 @@ def _other_values(found: Diagnosis) -> Iterator[str]:
     """Yield the other values of a parameter that fit nearly as well as its best."""
     for hypothesis in found.hypotheses:
         if hypothesis.also and hypothesis.probability > LIKELY_PROBABILITY and hypothesis.path not in found.untold:
-            per, unit = unit_of_change(found.fit.scene, hypothesis.path, hypothesis.changes[0].value)
-            values = ", ".join(f"{per * value:.4g} {unit}".strip() for value in hypothesis.also)
+            values = ", ".join(" ".join(_value(found, hypothesis.path, each)).strip() for each in hypothesis.also)
             yield f"{hypothesis.path} = {values} fits nearly as well as its best value"

@@ -10,7 +10,7 @@ from screwsim.export.map_table import MapTable
 from screwsim.outputs import Result
 from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.screen import say
-from screwsim.study.map_points import place_in_words
+from screwsim.study.maps.map_points import place_in_words
 
 
 def map_document(table: MapTable, files: Sequence[str]) -> dict[str, Any]:

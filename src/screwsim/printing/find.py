@@ -9,14 +9,14 @@ from screwsim.figures.engineering import error_text, figure_text, shown_name
 from screwsim.outputs.customary import with_printed_units
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
-from screwsim.printing.uncertain import contributors_text
+from screwsim.printing.uncertain import by_inputs_line
 from screwsim.scene.grid import unit_of
 from screwsim.screen import say
+from screwsim.study.asked.inputs import shown_value, unit_of_change
+from screwsim.study.asked.varied import Varied, leaf_of
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.inputs import shown_value, unit_of_change
 from screwsim.study.seek import VALUE_DIGITS, GoalSeekAnswer, Question
 from screwsim.study.seek.answer import Size
-from screwsim.study.varied import Varied, leaf_of
 
 MOST_NOTES = 4  # most notes printed
 OTHER_FIGURES = (  # for a single answer, shown beside the figures sought
@@ -144,9 +144,8 @@ def _value(scene: Varied, asked: Question, path: str, row: GoalSeekAnswer) -> st
 def _by_inputs(scene: Varied, path: str, row: GoalSeekAnswer) -> Iterator[str]:
     """Yield the uncertainty of a value by the tolerances of other inputs, and those that contribute most."""
     if path in row.by_inputs and row.by_inputs[path].standard:
-        spread = row.by_inputs[path].as_json()
-        most = contributors_text(spread["contributors"])
-        yield f"  by the inputs' tolerances ± {_difference_text(scene, path, spread['expanded'], 2)} (95 %): {most}"
+        spread = row.by_inputs[path]
+        yield by_inputs_line(_difference_text(scene, path, spread.expanded, 2), spread)
 
 
 def _why_not_met(asked: Question, size: Size) -> str:

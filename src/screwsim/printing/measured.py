@@ -9,10 +9,10 @@ from screwsim.printing.tables import plain_table, print_table, print_wrapped, wr
 from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE
 from screwsim.screen import printable, say
-from screwsim.study.inputs import shown_number, shown_value, unit_of_change
-from screwsim.study.measured import AGREEMENT_LIMIT, ComparedFigure, Comparison, Explanation
-from screwsim.study.uncertain import tolerances_of
-from screwsim.study.varied import Varied
+from screwsim.study.asked.inputs import shown_number, shown_value, unit_of_change
+from screwsim.study.asked.varied import Varied
+from screwsim.study.uncertainty.measured import AGREEMENT_LIMIT, ComparedFigure, Comparison, Explanation
+from screwsim.study.uncertainty.spreads import tolerances_of
 
 
 def print_measured(scene: Varied, result: Result, found: Comparison) -> None:

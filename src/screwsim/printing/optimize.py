@@ -5,15 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.figures.engineering import error_text, figure_text, shown_name
+from screwsim.figures import declared
+from screwsim.figures.engineering import error_text, figure_text, figure_unit, shown_name
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.uncertain import by_inputs_line
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
-from screwsim.study.inputs import shown_number, shown_value
+from screwsim.study.asked.inputs import shown_number, shown_value
+from screwsim.study.asked.spans import LOWER, UPPER, border_note
 from screwsim.study.optimize import EquallyGoodRange, Optimum
 from screwsim.study.seek import VALUE_DIGITS
-from screwsim.study.spans import LOWER, UPPER, border_note
 
 MOST_FRONT_ROWS = 12  # most rows of a front printed; all are in the file
 MOST_REASONS = 3  # most reasons for failed evaluations
@@ -51,6 +53,7 @@ def optimize_document(found: Optimum) -> dict[str, Any]:
             for row in found.front
         ],
         "as_good": {path: reach.__dict__ for path, reach in found.reach.items()},
+        "uncertainties_by_inputs": {name: spread.as_json() for name, spread in found.by_inputs.items()},
         "other_optima": [list(other) for other in found.others],
         "best_points": [
             {"name": point.point.name, "values": point.values, "performance": dict(point.result.performance)}
@@ -101,6 +104,7 @@ def _print_best(found: Optimum) -> None:
     value, error = found.aims[row, 0], found.errors[row, 0]
     say()
     say(f"{shown_name(aim.figure)} {figure_text(aim.figure, value)}, error {error_text(aim.figure, value, error)}")
+    print_wrapped(_by_inputs(found))
     for name in getattr(asked.scene, "beside", ()):
         value = found.points[0].result.performance.get(name)
         if value is not None:
@@ -116,6 +120,19 @@ def _print_best(found: Optimum) -> None:
     for place, height in found.others:
         where = shown_value(asked.scene, asked.spans[0].path, place, 4)
         say(wrapped(f"another local optimum at {where}: {figure_text(aim.figure, height)}"))
+
+
+def _by_inputs(found: Optimum) -> Iterator[str]:
+    """Yield how far the inputs' tolerances move the aim and bounded figures of the best, and what has no part in it."""
+    for name, spread in found.by_inputs.items():
+        value = found.points[0].result.performance[name]
+        factor, unit = figure_unit(declared(name), value)
+        if name != found.asked.aims[0].figure:
+            yield f"{shown_name(name)} {figure_text(name, value)}"
+        if spread.standard:
+            yield by_inputs_line(f"{factor * spread.expanded:.2g} {'points' if unit == '%' else unit}".strip(), spread)
+    if found.message:
+        yield found.message
 
 
 def _reach(found: Optimum, path: str, reach: EquallyGoodRange) -> str:

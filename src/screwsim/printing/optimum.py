@@ -11,11 +11,11 @@ from screwsim.outputs.display import grouped
 from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
 from screwsim.scene.grid import unit_of
 from screwsim.screen import say
+from screwsim.study.asked.inputs import shown_number, shown_value
+from screwsim.study.asked.spans import LOWER, UPPER, border_note
+from screwsim.study.asked.varied import Varied, leaf_of
+from screwsim.study.best.optimum import Best, Question
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.inputs import shown_number, shown_value
-from screwsim.study.optimum import Best, Question
-from screwsim.study.spans import LOWER, UPPER, border_note
-from screwsim.study.varied import Varied, leaf_of
 
 MOST_PLACES = 3  # points that a note names; of more it names the first
 

@@ -15,8 +15,8 @@ from screwsim.results.warning_kinds import warning_kinds
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, protect_other_columns, write_columns
-from screwsim.study.map_points import MapPoint, place_in_words
-from screwsim.study.performance_map import (
+from screwsim.study.maps.map_points import MapPoint, place_in_words
+from screwsim.study.maps.performance_map import (
     COEFFICIENT_NAMES,
     ELECTRICAL,
     FORMULA,

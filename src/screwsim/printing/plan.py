@@ -15,9 +15,11 @@ from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder
 from screwsim.results.protection import first_line
 from screwsim.scene import Scene
 from screwsim.screen import say
-from screwsim.study.calibration.data import CELSIUS, UNCERTAINTY_SUFFIX, units_of
+from screwsim.study.asked.figure_units import CELSIUS, units_of
+from screwsim.study.asked.inputs import in_customary, unit_of_change
+from screwsim.study.calibration.data import UNCERTAINTY_SUFFIX
 from screwsim.study.calibration.plan import Plan, point_name
-from screwsim.study.inputs import in_customary, unit_of_change
+from screwsim.study.uncertainty.spreads import not_included
 
 MOST_DEVIATIONS = 6  # most points for which the table shows the deviations
 
@@ -29,6 +31,7 @@ def plan_document(found: Plan) -> dict[str, Any]:
         "title": found.fit.title,
         **picked(found, "status", "message", "values", "candidates"),
         **picked(found, known_by_bounds_alone="even", uncertain_inputs="inputs"),
+        "left_out": dict(found.left_out),
         "deviations": dict(zip(paths, found.before, strict=True)) if found.before else {},
         "points": [
             {
@@ -89,6 +92,7 @@ def _plan_notes(found: Plan) -> Iterator[str]:
         yield f"not considered because nothing is delivered there: {'; '.join(found.idle)}"
     if found.inputs:
         yield f"not known exactly, and not determined: {', '.join(found.inputs)}"
+    yield from (f"warning: {text}" for text in not_included(found.left_out))
 
 
 def protect_measured(path: Path) -> None:

@@ -18,13 +18,13 @@ from screwsim.results.atomic import write_csv
 from screwsim.results.protection import protect_other_heads
 from screwsim.scene import leaf_of
 from screwsim.screen import say
+from screwsim.study.asked.inputs import in_customary, shown_number, shown_value
 from screwsim.study.calibration.answers import LEVEL, Posterior, Predictions, PredictiveCheck
 from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.other_inputs import other_inputs
 from screwsim.study.calibration.posterior import UNDETERMINED_SHARE
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.columns import Column, protect_other_columns, write_columns
-from screwsim.study.inputs import in_customary, shown_number, shown_value
 
 PREDICTIONS, WIDTH = "predictions of a calibration's posterior", "discrepancy_"
 SAMPLES, PREDICTED, PAIRS = "posterior.csv", "predicted.h5", "posterior"

@@ -13,11 +13,11 @@ from screwsim.printing.tables import print_scene_title, print_table, print_wrapp
 from screwsim.results.write import save
 from screwsim.scene import Scene
 from screwsim.screen import say
+from screwsim.study.asked.inputs import shown_value, unit_of_change, usual_efficiency
+from screwsim.study.asked.varied import Varied, leaf_of
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.inputs import shown_value, unit_of_change, usual_efficiency
-from screwsim.study.local import Sensitivities
-from screwsim.study.sensitivity import CONFIDENCE, LARGEST_NOISE_SHARE, FigureIndices, Sensitivity
-from screwsim.study.varied import Varied, leaf_of
+from screwsim.study.uncertainty.slopes import Sensitivities
+from screwsim.study.uncertainty.sobol import CONFIDENCE, LARGEST_NOISE_SHARE, FigureIndices, Sensitivity
 
 USUAL_FIGURES = ("gas_mass_flow", "shaft_power")  # beside the efficiency, of a machine that is no air package
 MOST_NUMBERS = 15  # most numbers in the table, in order of importance

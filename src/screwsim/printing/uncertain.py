@@ -18,10 +18,10 @@ from screwsim.printing.tables import plain_table, print_scene_title, print_table
 from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.read import Results
 from screwsim.screen import say
+from screwsim.study.asked.varied import Varied
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.sampled import rounding
-from screwsim.study.uncertain import COVERAGE, Uncertainty
-from screwsim.study.varied import Varied
+from screwsim.study.uncertainty.sampled import rounding
+from screwsim.study.uncertainty.spreads import COVERAGE, FigureUncertainty, Uncertainty
 
 MOST_FIGURES = 3
 EFFICIENCY_SUFFIX = "efficiency"
@@ -73,6 +73,12 @@ def contributors_text(contributors: Sequence[Mapping[str, Any]]) -> str:
     some = [each for each in contributors[:MOST_CONTRIBUTORS] if each["share"] >= LEAST_SHARE]
     paths = (" + ".join(path.replace("effects.", "", 1) for path in each["paths"]) for each in some)
     return ", ".join(f"{path} {each['share']:.0%}" for path, each in zip(paths, some, strict=True))
+
+
+def by_inputs_line(size: str, spread: FigureUncertainty) -> str:
+    """Return what the tolerances of inputs leave uncertain, half of the 95 % interval as text, and most by which."""
+    most = contributors_text([each._asdict() for each in spread.contributors])
+    return f"  by the inputs' tolerances ± {size} (95 %): {most}"
 
 
 def _uncertainty_row(result: Result, name: str, expanded: float, model: Mapping[str, Any]) -> list[str]:

@@ -45,6 +45,9 @@ def _of_speed(scene: Scene) -> Iterator[Fault]:
     if operation.tip_speed is None:
         if operation.speed is None:
             yield Fault(SPEED, "is missing (write speed: … rpm; speed of the male rotor, or of the crank)")
+        elif TIP_SPEED in scene.sweep:
+            what = f"has no meaning with {SPEED} (vary that one, or state the tip speed in its place)"
+            yield Fault(f"sweep.{TIP_SPEED}", what)
         return
     if not turns:
         what = f"applies only to screw rotors, which a {scene.machine.kind} does not have (write speed: … rpm)"

@@ -118,7 +118,7 @@ def _unknown_fluid(fluid: str, such: str = "R134a, R1234yf, R32, R744, Ammonia o
     shown = repr(fluid[:40])
     same, blend = names.same_fluid(fluid), names.suggested_blend(fluid)
     if same is not None:
-        return f"{shown} {_PURE}; did you mean '{same}'?"
+        return f"{shown} {_PURE}; did you mean {same}?"
     if blend is not None:
         return f"{shown} {_PURE}; {blend}"
     return f"{shown} {_PURE} (name one of them, such as {such})"

@@ -119,6 +119,7 @@ _LIKELY_UNITS: dict[str, dict[str, str]] = {
     "J/(kg K)": {"kJ/kgK": "kJ/(kg K)", "J/kgK": "J/(kg K)"},
     "W/(m^2 K)": dict.fromkeys(("W/m2K", "W/m^2K", "W/m²K"), "W/(m^2 K)"),
 }
+_STANDARD_FLOW = re.compile(r"(mm)?sc[fm][dhms]|[ns](m\^?[3³]|l)/(s|sec|min|h|hr|d)")  # scfm, Nm3/h, in lower case
 _KINEMATIC = {"cst", "mm^2/s", "mm2/s", "mm²/s", "m^2/s", "st"}
 _TABLE_ONLY = {"rad", "rad/s", "N m/rad", "N m s/rad"}  # pint does not distinguish turns, radians and plain numbers
 _CELSIUS = {"degC", "celsius", "Celsius", "C"}  # no temperature is in coulombs
@@ -226,7 +227,7 @@ def _tight(unit: str) -> str:
 
 
 def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
-    """Refuse ambiguous units: Hz, MBtu/h, degrees Celsius for a difference; and gauge pressures where not allowed."""
+    """Refuse ambiguous units: Hz, MBtu/h, scfm, degC for a difference; and gauge pressures where not allowed."""
     if kind.si == "Pa" and _GAUGE.fullmatch(unit):
         if kind.name == "pressure_difference":
             raise Refused(f"{shown} is a gauge pressure, not a difference (write e.g. '{kind.example}')")
@@ -235,6 +236,12 @@ def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
         raise Refused(f"{shown} is a difference, not an absolute pressure (write e.g. '{kind.example}')")
     if kind.name == "speed" and unit.lower() in ("hz", "khz", "1/s", "s^-1", "1/min", "min^-1"):
         raise Refused(f"{shown} is ambiguous: turns or radians (write rpm, rev/s or rad/s, e.g. '{kind.example}')")
+    if kind.si == "m^3/s" and _STANDARD_FLOW.fullmatch(_tight(unit).lower()):
+        raise Refused(
+            f"{shown} counts gas at a standard state (write the flow at its own state, e.g. '{kind.example}')"
+        )
+    if kind.si == "W" and unit.lower().startswith("mmbtu"):
+        raise Refused(f"{shown} is in a million Btu (write 1000 kBtu/h for each MMBtu/h, or e.g. '{kind.example}')")
     if kind.si == "W" and unit.lower().startswith("mbtu"):
         raise Refused(f"{shown} is ambiguous: a thousand or a million Btu (write kBtu/h or kW, e.g. '{kind.example}')")
     if kind.name == "temperature" and unit.startswith("delta_"):

@@ -14,7 +14,7 @@ from screwsim.machine.kinds import kind_of
 from screwsim.outputs import Figures, Result
 from screwsim.scene import loads
 from screwsim.scene.types import Scene
-from screwsim.study.progress import Progress
+from screwsim.study.pool.progress import Progress
 
 REFRIGERATION = ("cooling_capacity", "cop")
 # roles of effects by which a kind of machine groups them (`effects.parts.usual`)

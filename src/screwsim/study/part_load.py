@@ -15,7 +15,7 @@ from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, with_values
 from screwsim.scene.fields import value_at
-from screwsim.study.parallel import WarmSimulation
+from screwsim.study.pool.parallel import WarmSimulation
 
 SPEED_PATH = "operation.speed"
 LOADS = (1.0, 0.75, 0.5, 0.25)

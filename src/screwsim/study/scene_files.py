@@ -15,11 +15,11 @@ from screwsim.scene import Scene, leaf_of, loads, scene_text
 from screwsim.scene.fields import effect_keys
 from screwsim.scene.values import text_of
 from screwsim.scene.write import quoted
-from screwsim.study.inputs import shown_value
+from screwsim.study.asked.inputs import shown_value
 
 if TYPE_CHECKING:
     from screwsim.study.calibration.solve import Calibration
-    from screwsim.study.stages.read import StageChain
+    from screwsim.study.stages.chain import StageChain
 
 FIRST_LINE = "# Found by: screwsim "  # start of a scene that a study wrote
 SIZE_PATHS = {"machine.displacement.flow", "machine.rotor_diameter", "machine.rotor_length", "machine.volume.max"}

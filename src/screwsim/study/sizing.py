@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
+from screwsim.figures.engineering import figure_text
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
-from screwsim.study.inputs import shown_figure
 from screwsim.template import SceneRequest, kind_of, new_scene
 from screwsim.template.gas import INVERTER_LOSS_SHARE
 from screwsim.template.sizes import flow_text, rounded_flow, rpm
@@ -67,7 +67,7 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
                 _check_port(result)
             return found
         flow = rounded_flow(flow * wanted / value)
-    what = f"no size was found that gives {shown_figure(figure, wanted)}"
+    what = f"no size was found that gives {figure_text(figure, wanted)}"
     raise UsageError(f"{option}: {what} (state one with --displacement)")
 
 
@@ -116,7 +116,7 @@ def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]
     load = p.shaft_power / rated
     package = DELIVERED in p
     gives, takes = _package_in_words(found) if package else _plant_in_words(found)
-    shaft = f"takes {shown_figure(TAKEN, p.shaft_power)} at the shaft"
+    shaft = f"takes {figure_text(TAKEN, p.shaft_power)} at the shaft"
     yield f"computed: {gives}, {shaft} ({100.0 * load:.0f} % of a motor of {1e-3 * rated:g} kW), {takes}"
     if asked.motor is not None and not LIGHT <= load <= HEAVY:
         word = "more" if load > HEAVY else "less"
@@ -145,16 +145,16 @@ def _package_in_words(found: SizedMachine) -> tuple[str, str]:
     """Return, in words, what an air package delivers, and its total input."""
     p = found.result.performance
     over = 1e-5 * (p.package_discharge_pressure - found.scene.operation.suction.pressure)
-    takes = f"{shown_figure('package_input_power', p.package_input_power)} with motor and fan"
-    gives = f"delivers {shown_figure(DELIVERED, p[DELIVERED])} at {over:.4g} bar over its inlet"
-    return gives, f"{takes}, {shown_figure('package_specific_power', p.package_specific_power)}"
+    takes = f"{figure_text('package_input_power', p.package_input_power)} with motor and fan"
+    gives = f"delivers {figure_text(DELIVERED, p[DELIVERED])} at {over:.4g} bar over its inlet"
+    return gives, f"{takes}, {figure_text('package_specific_power', p.package_specific_power)}"
 
 
 def _plant_in_words(found: SizedMachine) -> tuple[str, str]:
     """Return, in words, the capacities of a refrigeration or heat-pump machine, and its total input."""
     p = found.result.performance
-    gives = f"cools {shown_figure(COOLS, p[COOLS])} and heats {shown_figure(HEATS, p[HEATS])}"
+    gives = f"cools {figure_text(COOLS, p[COOLS])} and heats {figure_text(HEATS, p[HEATS])}"
     duty = p.get(DUTY)
-    gives += f" (without the {shown_figure(DUTY, duty)} of its oil cooler)" if duty else ""
-    takes = f"{shown_figure('electrical_power', p.electrical_power)} with its motor"
+    gives += f" (without the {figure_text(DUTY, duty)} of its oil cooler)" if duty else ""
+    takes = f"{figure_text('electrical_power', p.electrical_power)} with its motor"
     return gives, f"{takes}, COP {p.electrical_cop:.3g} of cooling, {p.electrical_heating_cop:.3g} of heating"

@@ -15,10 +15,10 @@ from screwsim.machine.slider_crank.cylinder import SliderCrank
 from screwsim.machine.slider_crank.tolerance import GRADES, Grade, Links, grade, right, tolerance
 from screwsim.scene import Scene, with_values
 from screwsim.scene.grid import too_many
-from screwsim.study.optimum import Simulate, simulator
-from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import Progress
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.solving import Simulate, simulator
+from screwsim.study.pool.workers import WORKER_DIED
 
 FIGURES = ("gas_mass_flow", "cooling_capacity", "volumetric_efficiency", "shaft_power", "isentropic_efficiency")
 LEAST_SIZE = 1e-3  # [m], smallest size of ISO 286 tolerances: a smaller offset has that of this size

@@ -111,7 +111,7 @@ def _check_names(fluid: str | None, oil: str | None) -> None:
             what = "write a blend of your own as 'Methane/Ethane (0.9/0.1)' by mass, or '(mole 0.9/0.1)'"
             raise UsageError(f"--fluid {fluid}: is not a fluid of CoolProp ({what})")
         other, blend = names.same_fluid(fluid), names.suggested_blend(fluid)
-        hint = f"; did you mean '{other}'?" if other else f"; {blend}" if blend else ""
+        hint = f"; did you mean {other}?" if other else f"; {blend}" if blend else ""
         hint = hint or " (write one of its names, e.g. R134a, R454B or CO2)"
         raise UsageError(f"--fluid {fluid}: is not a fluid or blend of CoolProp{hint}")
     if oil is not None and oil not in OILS:

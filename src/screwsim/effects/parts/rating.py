@@ -9,10 +9,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import log
 
+from screwsim.outputs.us_units import CFM, PSI
+
 K = 1.4  # isentropic exponent of air, as ISO 1217 has it
-FOOT, INCH, POUND_FORCE, HORSEPOWER = 0.3048, 0.0254, 4.4482216152605, 745.6998715822702  # m, m, N, W
-CFM = FOOT**3 / 60.0  # m³/s
-PSI = POUND_FORCE / INCH**2  # Pa
 WEIGHTS = {0.4: 0.25, 0.7: 0.5, 1.0: 0.25}  # weight of each load (share of full flow) in the variable-speed rating
 GAUGE = 75.0 * PSI, 200.0 * PSI  # [Pa] range of gauge pressures that the regulation covers
 FLOW = 35.0 * CFM, 1250.0 * CFM  # [m³/s] range of flows at full load that it covers

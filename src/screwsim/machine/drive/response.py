@@ -17,6 +17,7 @@ from screwsim.machine.drive import collocation
 from screwsim.machine.drive.collocation import POINTS, motion, residual, sizes
 from screwsim.machine.drive.train import Train
 from screwsim.numerics.anderson import Anderson
+from screwsim.numerics.parabola import vertex
 
 Array = np.ndarray
 MOST_STEPS = 10  # most Newton steps at one level of pulsation
@@ -73,9 +74,8 @@ def extremes(curve: Array) -> tuple[float, float]:
 def _top(fine: Array) -> float:
     """Return the top of the parabola through the highest of a period's evenly spaced values and its neighbours."""
     i = int(fine.argmax())
-    before, most, after = (float(fine[k % len(fine)]) for k in (i - 1, i, i + 1))
-    bend = before - 2.0 * most + after
-    return most - (before - after) ** 2 / (8.0 * bend) if bend < 0.0 else most
+    before, most, after = fine[np.array([i - 1, i, i + 1]) % len(fine)]
+    return float(most - 0.25 * (before - after) * vertex(before, most, after))
 
 
 def peak_to_peak(curve: Array) -> float:

@@ -194,7 +194,7 @@ def _repeated(case: Case, extent: Scope) -> tuple[SolvedCase, list[float]]:
     """Return the last of several solutions and their times, without the first where there are more."""
     machinery = None
     if case.back_end == "coolprop":
-        from screwsim.study.coolprop_back_end import machinery_with_coolprop
+        from screwsim.study.accuracy.coolprop_back_end import machinery_with_coolprop
 
         machinery = machinery_with_coolprop(case.scene)
     solved = solve(case.scene, case.way, extent.limit, machinery)

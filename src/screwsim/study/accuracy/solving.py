@@ -35,7 +35,7 @@ from screwsim.scene import Scene, with_values
 from screwsim.solve.accurately import CostMeter
 from screwsim.solve.circuit import steady_state
 from screwsim.solve.drive import close_with_drive
-from screwsim.study.coolprop_back_end import is_replaceable
+from screwsim.study.accuracy.coolprop_back_end import is_replaceable
 
 START_ACCURACY = 1e-2  # accuracy of the cycle from which scipy's integrators start
 LEAST_REGULARISATION = 1e-12  # of a pressure: used for a regularisation of zero, where the model would divide 0 by 0

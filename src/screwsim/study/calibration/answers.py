@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from screwsim.outputs.display import About, Brief
+from screwsim.study.asked.inputs import shown_value
 from screwsim.study.calibration.fit import Fit, Point
 from screwsim.study.calibration.residuals import Array
-from screwsim.study.inputs import shown_value
 
 LEVEL = 0.9  # probability of the intervals
 QUANTILES = (0.5 - 0.5 * LEVEL, 0.5, 0.5 + 0.5 * LEVEL)

@@ -8,13 +8,12 @@ from typing import Any
 
 from screwsim.figures import declared, known
 from screwsim.fluid import constants
-from screwsim.inputs.declare import KINDS, Kind
+from screwsim.inputs.declare import Kind
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import BadSheet, Row, Sheet, read_sheet
 from screwsim.inputs.textfiles import Unreadable
 from screwsim.outputs import Figure
 from screwsim.outputs.customary import in_celsius
-from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene, leaf_of, lines
 from screwsim.scene.fields import Leaf, leaves_of, unknown_key
 from screwsim.scene.numerals import odd_number, odd_number_text
@@ -23,42 +22,18 @@ from screwsim.scene.units import (
     NUMBER,
     Refused,
     gauge_pressures_over,
-    likely_unit,
     parse_quantity,
-    refuse_traps,
     tidy_unit,
 )
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
+from screwsim.study.asked.figure_units import CELSIUS, UNITS, ZERO, quantity_of, units_of
 from screwsim.study.calibration.fit import Measurement, Point
 
 MOST_POINTS = 10_000  # per fit
 UNCERTAINTY_SUFFIX = "_uncertainty"
 SMALLEST, LARGEST = 1e-9, 1e9  # of a value: uncertainties outside are implausible or carry no information
 USE_WORDS = {"": True, "fit": True, "check": False}
-POUND, CUBIC_FOOT, HORSEPOWER = 0.45359237, 0.3048**3, 745.6998715822702  # [kg], [m^3], [W]
-# SI unit of a figure -> {unit: factor}; degrees Celsius are handled separately
-UNITS = {
-    "1": {"": 1.0, "1": 1.0, "%": 0.01},
-    "W": {"W": 1.0, "kW": 1e3},
-    "K": {"K": 1.0},
-    "kelvin": {"K": 1.0},
-    "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5},
-    "J": {"J": 1.0, "kJ": 1e3},
-    "kg": {"kg": 1.0, "g": 1e-3},
-    "kg s-1": {"kg/s": 1.0, "kg/h": 1.0 / 3600.0, "g/s": 1e-3, "lb/h": POUND / 3600.0, "lb/min": POUND / 60.0},
-    "W s m-3": {"W s/m^3": 1.0, "kW/(m^3/min)": 6e4, "hp/(100 cfm)": HORSEPOWER * 0.6 / CUBIC_FOOT},
-    "J m-3": {"J/m^3": 1.0, "kJ/m^3": 1e3},
-    "N": {"N": 1.0, "kN": 1e3},
-    "N m": {"N m": 1.0},
-    "m": {"m": 1.0, "mm": 1e-3, "um": 1e-6},
-    "m3": {"m^3": 1.0, "cm^3": 1e-6},
-    "m3 s-1": {"m^3/s": 1.0, "m^3/min": 1.0 / 60.0, "m^3/h": 1.0 / 3600.0},
-    "rad": {"rad": 1.0, "deg": math.pi / 180.0},
-    "rad s-1": {"rad/s": 1.0, "rpm": math.pi / 30.0},
-    "Hz": {"Hz": 1.0},
-}
-CELSIUS, ZERO = "degC", 273.15
 # of the suction temperature [K]: no machine leaves a gas colder; lower values are mostly degC read as K
 LEAST_TEMPERATURE_RATIO = 0.4
 _EXAMPLE = "write e.g. operation.speed [rpm], shaft_power [kW], shaft_power_uncertainty [kW]"
@@ -189,45 +164,6 @@ def _columns(
 def _figures(scene: Scene) -> Mapping[str, Figure]:
     """Return the program's figures and those of the scene's own effects."""
     return known() | {figure.name: figure for active in scene.effects.values() for figure in active.effect.figures}
-
-
-def units_of(figure: str) -> Mapping[str, float]:
-    """Return the factors to SI units of the units in which a figure may be stated."""
-    si = declared(figure).units
-    return UNITS.get(si, {si: 1.0})
-
-
-def quantity_of(figure: str, kind: str, unit: str) -> Kind | None:
-    """Return the dimension of a figure, or of its uncertainty, among those of scenes that know the unit; else None.
-
-    Raise `Refused` for an uncertainty in a unit with a zero of its own (barg, degF), for a unit that scenes refuse by
-    name (barg, Hz), and for another spelling of one (psia, cfm).
-    """
-    si = tidy_unit(si_unit(declared(figure).units))
-    named = [each for each in KINDS.values() if each.si == si]
-    absolute = [each for each in named if not each.name.endswith("_difference")]
-    differences = [each for each in named if each not in absolute]
-    gauged = figure.endswith("pressure") or not differences or si != "Pa"
-    wanted = (absolute if kind == "figure" and gauged else differences or absolute)[:1]
-    if wanted and _is_unit_of(wanted[0], unit):
-        return wanted[0]
-    if differences and wanted[:1] == differences[:1] and _is_unit_of(absolute[0], unit):
-        what = "an uncertainty" if kind == "uncertainty" else "a difference"
-        units = "K or delta_degF" if si == "K" else si
-        raise Refused(f"unit {shown(unit)} has an offset zero, and this is {what} (write {units})")
-    for named in wanted:
-        refuse_traps(named, unit, f"unit {shown(unit)}")
-        if meant := likely_unit(named, unit):
-            raise Refused(f"unit {shown(unit)} is not known (write {meant})")
-    return None
-
-
-def _is_unit_of(kind: Kind, unit: str) -> bool:
-    try:
-        parse_quantity(kind, f"1 {unit}")
-    except Refused:
-        return False
-    return bool(unit)
 
 
 def _covered(column: _Column, head: str) -> _Column:

@@ -27,7 +27,15 @@ from screwsim.study.calibration.hypotheses import (
     chance_of_misfit,
     indistinguishable_pairs,
 )
-from screwsim.study.calibration.machine import Group, inputs_of, residual_shifts, unchanged_fit
+from screwsim.study.calibration.machine import (
+    NO_SHIFTS,
+    Group,
+    PointShifts,
+    inputs_of,
+    known_everywhere,
+    point_shifts,
+    unchanged_fit,
+)
 from screwsim.study.calibration.pair_likelihood import PairLikelihood, additive_likelihood, curves_of, solved_pair
 from screwsim.study.calibration.profile import (
     LinearLikelihood,
@@ -37,9 +45,9 @@ from screwsim.study.calibration.profile import (
     whitener,
 )
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
-from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import Progress
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.workers import WORKER_DIED
 
 Mapped = Callable[..., list[Any]]  # `parallel_map` with its workers and its progress
 
@@ -70,6 +78,7 @@ class Diagnosis:
     alike: tuple[IndistinguishablePair, ...] = ()
     chance: float | None = None
     inputs: tuple[str, ...] = ()  # inputs of the unchanged machine that are not known exactly
+    left_out: Mapping[str, str] = field(default_factory=dict)  # those without a derivative at a point, and why
     reasons: Mapping[str, str] = field(default_factory=dict)
     solutions: int = 0
     failed: int = 0
@@ -147,14 +156,14 @@ class Judgement(NamedTuple):
 
 
 class UnchangedPoint(NamedTuple):
-    """One point of the unchanged machine: residuals (n,), slopes (n, parameters), effect of its inputs (n, inputs).
+    """One point of the unchanged machine: residuals (n,), slopes (n, parameters), shifts by its inputs.
 
     Without a solution there is the reason alone.
     """
 
     residuals: Array = np.zeros(0)
     slopes: Array = np.zeros((0, 0))
-    inputs: Array = np.zeros((0, 0))
+    shifts: PointShifts = NO_SHIFTS
     why: str = ""
     solutions: int = 0
     failed: int = 0
@@ -179,7 +188,7 @@ def diagnose(
     groups, priors = inputs_of(fit, asked.scene)
     points = asked.fitted
     answers = parallel_map(
-        partial(unchanged_point, asked, groups, priors, before, simulate),
+        partial(unchanged_point, asked, groups, before, simulate),
         len(points),
         died=lambda number: UnchangedPoint(why=WORKER_DIED),
         jobs=jobs,
@@ -193,7 +202,8 @@ def diagnose(
         why = f"none of the points has a solution: {next(iter(reasons.values()))}"
         return Diagnosis(fit, "failed", why, before, reasons=reasons, solutions=solutions, failed=failed)
     known = [answer for answer in answers if not answer.why]
-    linear = _linearised(replace(asked, points=tuple(solved)), before, known, simulate)
+    groups, left_out = known_everywhere(groups, (answer.shifts for answer in known))
+    linear = _linearised(replace(asked, points=tuple(solved)), before, known, groups, priors, simulate)
     odds = pairs if len(fit.parameters) > 1 else 0.0
     judged = _judged(linear, unchanged, odds, partial(parallel_map, jobs=jobs, progress=progress))
     ranked = tuple(sorted(judged.hypotheses, key=lambda hypothesis: -hypothesis.probability))
@@ -206,6 +216,7 @@ def diagnose(
         alike=indistinguishable_pairs(ranked, judged.residuals),
         chance=chance_of_misfit(ranked[0].misfit, ranked[0].freedom),
         inputs=tuple(" + ".join(group) for group in (*groups, *priors)),
+        left_out=left_out,
         reasons=reasons,
         solutions=solutions + judged.solutions,
         failed=failed + judged.failed,
@@ -224,7 +235,6 @@ def _check(unchanged: float, pairs: float) -> None:
 def unchanged_point(
     fit: Fit,
     groups: Sequence[Group],
-    priors: Mapping[Group, float],
     values: Mapping[str, float],
     simulate: Simulate | None,
     number: int,
@@ -237,23 +247,30 @@ def unchanged_point(
     if why := outcome.reasons.get(point.name, ""):
         return UnchangedPoint(why=why, solutions=asked.solutions, failed=asked.failed)
     slopes = asked.slopes(places)
-    own = residual_shifts(fit.at(point, values), point, groups)
-    paths = [parameter.path for parameter in fit.parameters]
-    for (path,), deviation in priors.items():
-        i = paths.index(path)
-        own.append(slopes[:, i] * deviation / fit.parameters[i].slope(values[path]))
-    inputs = np.column_stack(own) if own else np.zeros((len(point.measured), 0))
-    return UnchangedPoint(outcome.residuals, slopes, inputs, "", asked.solutions, asked.failed)
+    shifts = point_shifts(fit.at(point, values), point, groups)
+    return UnchangedPoint(outcome.residuals, slopes, shifts, "", asked.solutions, asked.failed)
 
 
 def _linearised(
-    fit: Fit, before: Mapping[str, float], points: Sequence[UnchangedPoint], simulate: Simulate | None
+    fit: Fit,
+    before: Mapping[str, float],
+    points: Sequence[UnchangedPoint],
+    groups: Sequence[Group],
+    priors: Mapping[Group, float],
+    simulate: Simulate | None,
 ) -> LinearMachine:
-    """Return the unchanged machine by the residuals and slopes of its points."""
-    white = whitener(np.vstack([point.inputs for point in points]))
+    """Return the unchanged machine by the residuals and slopes of its points; its inputs and priors whiten them."""
+    slopes = np.vstack([point.slopes for point in points])
+    shapes = ((len(groups), len(point.residuals)) for point in points)
+    parts = [np.reshape(point.shifts.of(groups), shape).T for point, shape in zip(points, shapes, strict=True)]
+    shifts = np.vstack(parts)
+    paths = [parameter.path for parameter in fit.parameters]
+    for (path,), deviation in priors.items():
+        i = paths.index(path)
+        shifts = np.column_stack([shifts, slopes[:, i] * deviation / fit.parameters[i].slope(before[path])])
+    white = whitener(shifts)
     residuals = white @ np.concatenate([point.residuals for point in points])
-    slopes = (white @ np.vstack([point.slopes for point in points])).T
-    return LinearMachine(fit, simulate, before, fit.places(before), white, residuals, slopes)
+    return LinearMachine(fit, simulate, before, fit.places(before), white, residuals, (white @ slopes).T)
 
 
 def _judged(machine: LinearMachine, unchanged: float, odds: float, mapped: Mapped) -> Judgement:

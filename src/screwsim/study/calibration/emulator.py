@@ -13,9 +13,9 @@ import numpy as np
 
 from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
-from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import Progress
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.workers import WORKER_DIED
 
 PER_TERM = 2  # solutions per coefficient
 Key = tuple[str, str]  # name of the point, figure

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.types import COVERAGE
-from screwsim.study.spans import place_between, value_between
+from screwsim.study.asked.spans import place_between, value_between
 
 EXACT, DIFFERENCES = "exact", "differences"  # how slopes are found
 TOLERANCE_REMEDY = "prior from the scene's tolerance"

@@ -1,8 +1,9 @@
 """The unchanged machine of a fit, the response of its points to inputs, and points that are not measured yet."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -17,9 +18,9 @@ from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Point
 from screwsim.study.calibration.residuals import Array, Simulate
-from screwsim.study.local import sensitivities
-from screwsim.study.optimum import simulator
-from screwsim.study.uncertain import groups_of
+from screwsim.study.pool.solving import simulator
+from screwsim.study.uncertainty.point import slopes_by_inputs
+from screwsim.study.uncertainty.spreads import groups_of
 
 Group = tuple[str, ...]  # paths of correlated inputs, one or more
 
@@ -57,34 +58,58 @@ def inputs_of(fit: Fit, machine: Scene) -> tuple[tuple[Group, ...], dict[Group, 
     A parameter's prior replaces the tolerances of its path and of those that follow it.
     """
     priors: dict[Group, float] = {(fit.parameters[i].path,): prior.deviation for i, prior in fit.held.items()}
-    known = {path for i in fit.held for path in fit.parameters[i].values(0.0)}
-    groups = (tuple(path for path in group if path not in known) for group in groups_of(machine))
-    return tuple(group for group in groups if group), priors
+    return groups_without(
+        groups_of(machine), {path for i in fit.held for path in fit.parameters[i].values(0.0)}
+    ), priors
 
 
-def residual_shifts(scene: Scene, point: Point, groups: Sequence[Group], result: Result | None = None) -> list[Array]:
-    """Return the changes of a point's residuals by one standard uncertainty of each group of correlated inputs.
+def groups_without(groups: Iterable[Group], paths: Container[str]) -> tuple[Group, ...]:
+    """Return the groups without some of their paths, and none that is empty then."""
+    rest = (tuple(path for path in group if path not in paths) for group in groups)
+    return tuple(group for group in rest if group)
 
-    The scene is that of the point; it is solved where its `result` is not known. Raises UsageError for an input without
-    a derivative: what it does must not count as nothing.
+
+class PointShifts(NamedTuple):
+    """Changes of a point's residuals (n,) by one standard uncertainty of each input, and why some inputs have none."""
+
+    by_path: Mapping[str, Array]
+    left_out: Mapping[str, str]
+
+    def of(self, groups: Sequence[Group]) -> list[Array]:
+        """Return the changes by groups of correlated inputs."""
+        return [np.sum([self.by_path[path] for path in group], axis=0) for group in groups]
+
+
+NO_SHIFTS = PointShifts({}, {})
+
+
+def point_shifts(scene: Scene, point: Point, groups: Sequence[Group], result: Result | None = None) -> PointShifts:
+    """Return how the inputs of these groups shift the residuals of a point with a solution.
+
+    The scene is that of the point; it is solved where its `result` is not known.
     """
     if not groups:
-        return []
-    paths = [path for group in groups for path in group]
-    found = sensitivities(scene, paths, list(point.measured), fine=False, result=result)
-    lost = next((path for path in paths if path not in found.values), "")
-    if lost and found.result.status == "ok":
-        why = f"has a tolerance, but no derivative at {point.name}: {found.left_out.get(lost, 'not known')}"
-        raise UsageError(f"{lost}: {why} (write its value without a tolerance)")
-    every = []
-    for group in groups:
-        total = np.zeros(len(point.measured))
-        for path in group:
-            standard = scene.uncertain[path].standard_at(float(value_at(scene, path)))
-            for row, (figure, measured) in enumerate(point.measured.items()):
-                total[row] += found.derivatives.get(figure, {}).get(path, 0.0) * standard / measured.uncertainty
-        every.append(total)
-    return every
+        return NO_SHIFTS
+    found = slopes_by_inputs(scene, list(chain(*groups)), list(point.measured), result=result)
+    over = np.array([measured.uncertainty for measured in point.measured.values()])
+    by_path = {}
+    for path, value in found.values.items():
+        slopes = np.array([found.derivatives.get(figure, {}).get(path, 0.0) for figure in point.measured])
+        by_path[path] = slopes * scene.uncertain[path].standard_at(value) / over
+    return PointShifts(by_path, {path: f"at {point.name}: {why}" for path, why in found.left_out.items()})
+
+
+def known_everywhere(
+    groups: Sequence[Group], points: Iterable[PointShifts]
+) -> tuple[tuple[Group, ...], dict[str, str]]:
+    """Return the groups without the inputs that lack a derivative at a point, and those inputs, and why.
+
+    What such an input does at the other points must not count as all that it does.
+    """
+    left_out: dict[str, str] = {}
+    for point in points:
+        left_out = {**point.left_out, **left_out}
+    return groups_without(groups, left_out), left_out
 
 
 class TypicalUncertainty(NamedTuple):

@@ -7,15 +7,19 @@ Source: JCGM 100:2008 (GUM), section 5.
 """
 
 from collections.abc import Sequence
+from functools import partial
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 
 from screwsim.study.calibration.fit import Fit
 from screwsim.study.calibration.identifiability import active_bounds
-from screwsim.study.calibration.machine import Group, residual_shifts
+from screwsim.study.calibration.machine import Group, PointShifts, groups_without, known_everywhere, point_shifts
 from screwsim.study.calibration.residuals import Array, Residuals
-from screwsim.study.uncertain import groups_of
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.workers import WORKER_DIED
+from screwsim.study.uncertainty.spreads import groups_of
 
 
 class InputShift(NamedTuple):
@@ -29,32 +33,43 @@ class InputShift(NamedTuple):
 
 def other_inputs(fit: Fit) -> tuple[Group, ...]:
     """Return the groups of inputs with a tolerance that are neither fitted nor follow a parameter."""
-    own = fit.changes(fit.first_start())
-    groups = (tuple(path for path in group if path not in own) for group in groups_of(fit.scene))
-    return tuple(group for group in groups if group)
+    return groups_without(groups_of(fit.scene), fit.changes(fit.first_start()))
 
 
 def input_shifts(
-    fit: Fit, places: Array, slopes: Array, outcome: Residuals, values: dict[str, float]
-) -> tuple[InputShift, ...]:
-    """Return the shifts of the best values by the tolerances of other inputs.
+    fit: Fit, places: Array, slopes: Array, outcome: Residuals, values: dict[str, float], jobs: int | None
+) -> tuple[tuple[InputShift, ...], dict[str, str]]:
+    """Return the shifts of the best values by the tolerances of other inputs; those inputs left out, and why.
 
     `slopes` are those of all residuals over the places; points without a solution have no part.
     """
     groups = other_inputs(fit)
     if not groups:
-        return ()
-    parts = []
-    for point in fit.fitted:
-        found = outcome.results[point.name]
-        solved = found.status == "ok"
-        changes = residual_shifts(fit.at(point, values), point, groups, found) if solved else ()
-        parts.append(np.column_stack(changes) if solved else np.zeros((len(point.measured), len(groups))))
+        return (), {}
+    every = parallel_map(
+        partial(_shifts, fit, groups, outcome, values),
+        len(fit.fitted),
+        died=lambda number: PointShifts({}, dict.fromkeys(chain(*groups), WORKER_DIED)),
+        jobs=jobs,
+    )
+    groups, left_out = known_everywhere(groups, every)
+    if not groups:
+        return (), left_out
+    parts = (np.column_stack(each.of(groups)) for each in every)
     shifts = np.vstack([*parts, np.zeros((len(fit.held), len(groups)))])
     shifts[outcome.unsolved] = 0.0
-    return tuple(
-        InputShift(group, moved) for group, moved in zip(groups, _moved(fit, places, slopes, shifts), strict=True)
-    )
+    return tuple(map(InputShift, groups, _moved(fit, places, slopes, shifts))), left_out
+
+
+def _shifts(
+    fit: Fit, groups: Sequence[Group], outcome: Residuals, values: dict[str, float], number: int
+) -> PointShifts:
+    """Return how inputs shift the residuals of a point; not at all where it has no solution."""
+    point = fit.fitted[number]
+    found = outcome.results[point.name]
+    if found.status != "ok":
+        return PointShifts(dict.fromkeys(chain(*groups), np.zeros(len(point.measured))), {})
+    return point_shifts(fit.at(point, values), point, groups, found)
 
 
 def _moved(fit: Fit, places: Array, slopes: Array, shifts: Array) -> list[tuple[float, ...]]:

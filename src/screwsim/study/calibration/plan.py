@@ -25,23 +25,27 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
 from screwsim.scene import Scene, cross_check
+from screwsim.study.asked.inputs import shown_value
+from screwsim.study.asked.spans import Span, read_ranges
 from screwsim.study.calibration.data import odd_uncertainty
 from screwsim.study.calibration.fit import Fit, Measurement, Point, prior_of
 from screwsim.study.calibration.machine import (
+    NO_SHIFTS,
     Group,
+    PointShifts,
     TypicalUncertainty,
+    groups_without,
     inputs_of,
+    known_everywhere,
+    point_shifts,
     points_of,
-    residual_shifts,
     typical_uncertainties,
     unchanged_fit,
 )
 from screwsim.study.calibration.residuals import Array, Objective, Simulate
-from screwsim.study.inputs import shown_value
-from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import Progress
-from screwsim.study.spans import Span, read_ranges
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.workers import WORKER_DIED
 
 UNIFORM_INFORMATION = 12.0  # one over the variance of a uniform distribution on 0 … 1
 COUNT, LEVELS = 3, 4  # points to choose; values per range
@@ -85,6 +89,7 @@ class Plan:
     steps: tuple[PlannedPoint, ...] = ()
     even: tuple[str, ...] = ()
     inputs: tuple[str, ...] = ()
+    left_out: Mapping[str, str] = field(default_factory=dict)  # inputs without a derivative at a point, and why
     reasons: Mapping[str, str] = field(default_factory=dict)
     solutions: int = 0
     failed: int = 0
@@ -92,9 +97,10 @@ class Plan:
 
 
 class PointInformation(NamedTuple):
-    """Information of a point: rows of slopes over uncertainties (figures, parameters and inputs), and the figures."""
+    """What a point tells: slopes over uncertainties (figures, parameters), shifts by inputs, and the figures."""
 
-    rows: Array = np.zeros((0, 0))
+    slopes: Array = np.zeros((0, 0))
+    shifts: PointShifts = NO_SHIFTS
     measured: Mapping[str, Measurement] = NOTHING_MEASURED
     why: str = ""
     solutions: int = 0
@@ -102,10 +108,10 @@ class PointInformation(NamedTuple):
     idle: bool = False  # nothing is delivered there
     odd: str = ""  # fault of an uncertainty that the point states
 
-    @property
-    def information(self) -> Array:
-        """Information on parameters and inputs (unknowns, unknowns)."""
-        return self.rows.T @ self.rows
+    def information(self, groups: Sequence[Group]) -> Array:
+        """Return the information on parameters and groups of inputs (unknowns, unknowns)."""
+        rows = np.column_stack([self.slopes, *self.shifts.of(groups)])
+        return rows.T @ rows
 
 
 def candidates_of(
@@ -163,8 +169,8 @@ def plan(
         raise UsageError(f"--count {count}: of {len(candidates)} candidates 1 to {len(candidates)} can be chosen")
     asked, values = unchanged_fit(fit, simulate)
     groups, _ = inputs_of(fit, asked.scene)
-    own = fit.changes(values)  # a parameter's tolerance is its prior, and what follows it has none of its own
-    groups = tuple(rest for group in groups if (rest := tuple(path for path in group if path not in own)))
+    # a parameter's tolerance is its prior, and what follows it has none of its own
+    groups = groups_without(groups, fit.changes(values))
     measured = [point for point in fit.fitted if point.measured]
     points = [*measured, *candidates]
     answers = parallel_map(
@@ -178,8 +184,9 @@ def plan(
     pairs = list(zip(points, answers, strict=True))
     if fault := next((f"{point.name}: {answer.odd}" for point, answer in pairs if answer.odd), ""):
         raise UsageError(fault)
+    groups, left_out = known_everywhere(groups, (answer.shifts for answer in answers))
     known, even = _prior_information(fit, asked.scene, values, len(groups))
-    measured_too = (answer.information for answer in answers[: len(measured)] if not answer.why)
+    measured_too = (answer.information(groups) for answer in answers[: len(measured)] if not answer.why)
     known += sum(measured_too, 0.0 * known)
     solved = [(point, answer) for point, answer in pairs[len(measured) :] if not answer.why]
     delivering = [(point, answer) for point, answer in solved if not answer.idle]
@@ -191,6 +198,7 @@ def plan(
         message,
         values,
         len(candidates),
+        left_out=left_out,
         reasons=reasons,
         solutions=sum(answer.solutions for answer in answers),
         failed=sum(answer.failed for answer in answers),
@@ -198,16 +206,21 @@ def plan(
     if not delivering:
         why = NONE_DELIVERS if solved else f"none of the candidates has a solution: {next(iter(reasons.values()))}"
         return replace(found, status="failed", message=why)
-    order = optimal_choice(known, [answer.information for _, answer in delivering], len(fit.parameters), count)
-    before, steps = _planned(fit, values, known, [delivering[i] for i in order])
+    pieces = [answer.information(groups) for _, answer in delivering]
+    order = optimal_choice(known, pieces, len(fit.parameters), count)
+    picked = [(replace(point, measured=answer.measured), pieces[i]) for i in order for point, answer in [delivering[i]]]
+    before, steps = _planned(fit, values, known, picked)
     inputs, idle = (" + ".join(group) for group in groups), (point.name for point, answer in solved if answer.idle)
     return replace(found, before=before, steps=steps, even=even, inputs=tuple(inputs), idle=tuple(idle))
 
 
 def _planned(
-    fit: Fit, values: Mapping[str, float], known: Array, picked: Sequence[tuple[Point, PointInformation]]
+    fit: Fit, values: Mapping[str, float], known: Array, picked: Sequence[tuple[Point, Array]]
 ) -> tuple[tuple[float, ...], tuple[PlannedPoint, ...]]:
-    """Return the deviations [SI] of the parameters by what is known, and the picked points with those after each."""
+    """Return the deviations [SI] of the parameters by what is known, and the picked points with those after each.
+
+    Each is picked with its information.
+    """
     size = len(fit.parameters)
     scales = np.array([parameter.slope(values[parameter.path]) for parameter in fit.parameters])
 
@@ -215,10 +228,10 @@ def _planned(
         return tuple((scales * np.sqrt(np.diag(covariance(information, size)))).tolist())
 
     before, steps = deviations(known), []
-    for point, answer in picked:
-        more = known + answer.information
+    for point, information in picked:
+        more = known + information
         gain = 0.5 * float(log_determinant(known, size) - log_determinant(more, size))
-        steps.append(PlannedPoint(replace(point, measured=answer.measured), gain, deviations(more)))
+        steps.append(PlannedPoint(point, gain, deviations(more)))
         known = more
     return before, tuple(steps)
 
@@ -264,11 +277,12 @@ def point_information(
             return PointInformation(odd=f"{name}: {odd}")
     point = replace(point, measured=measured)
     slopes = asked.point_slopes(point, places, result.performance)
-    inputs = residual_shifts(fit.at(point, values), point, groups, result if simulate is None else None)
-    rows = np.column_stack([slopes, *inputs]) if inputs else slopes
+    shifts = point_shifts(fit.at(point, values), point, groups, result if simulate is None else None)
     # power without flow depends on the leaks, but nobody rates such a point
     flow = result.performance.get("gas_mass_flow")
-    return PointInformation(rows, measured, "", asked.solutions, asked.failed, flow is not None and flow <= 0.0)
+    return PointInformation(
+        slopes, shifts, measured, "", asked.solutions, asked.failed, flow is not None and flow <= 0.0
+    )
 
 
 def _as_measured(point: Point, figures: Figures, usual: Mapping[str, TypicalUncertainty]) -> dict[str, Measurement]:

@@ -18,7 +18,7 @@ from screwsim.study.calibration.emulator import Emulator, Key, figures_at, fitte
 from screwsim.study.calibration.fit import Fit, Parameter, Prior
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
-from screwsim.study.progress import Progress
+from screwsim.study.pool.progress import Progress
 
 # standard errors of the fit to each side in which the posterior is sought; widened where it is cut off,
 REGION_WIDTH = 5.0

@@ -19,7 +19,7 @@ from screwsim.study.calibration.machine import points_of, typical_uncertainties
 from screwsim.study.calibration.posterior import CHECKED_DRAWS, TOLERATED_ERROR, posterior
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.calibration.solve import Calibration
-from screwsim.study.progress import Progress
+from screwsim.study.pool.progress import Progress
 
 
 def points_to_predict(fit: Fit, file: str | os.PathLike[str], option: str = "predict") -> tuple[Point, ...]:

@@ -16,10 +16,10 @@ from screwsim.scene.file_kinds import other_file
 from screwsim.scene.schema import DRAFT, OWN_PARAMETER, mapping, value_schema
 from screwsim.scene.values import limits_text, shown, text_of, within
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose, join
+from screwsim.study.asked.inputs import DISCRETE_KINDS, shown_range, shown_value
+from screwsim.study.asked.varied import with_accuracy
 from screwsim.study.calibration.data import read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
-from screwsim.study.inputs import DISCRETE_KINDS, shown_range, shown_value
-from screwsim.study.varied import with_accuracy
 
 ACCURACY = 1e-4  # of the solutions of a fit, where neither the fit nor its scene asks for a better one
 HEAD_FIELDS = {

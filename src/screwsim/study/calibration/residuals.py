@@ -16,8 +16,8 @@ from screwsim.derivatives.collocation import QUICK
 from screwsim.derivatives.solving import SceneDerivatives, scene_derivatives
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration.fit import EXACT, Fit, Measurement, Parameter, Point
-from screwsim.study.optimum import Simulate, simulated_if_valid
-from screwsim.study.parallel import WarmSimulation
+from screwsim.study.pool.parallel import WarmSimulation
+from screwsim.study.pool.solving import Simulate, simulated_if_valid
 
 Array = NDArray[np.float64]
 PENALTY = 1e4  # [uncertainties] least residual of a figure without a solution

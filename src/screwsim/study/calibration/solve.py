@@ -10,19 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.inputs.faults import Interrupted, UsageError
+from screwsim.inputs.faults import Interrupted
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, scene_text
+from screwsim.study.asked.inputs import shown_value
 from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
 from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
 from screwsim.study.calibration.machine import prepare
 from screwsim.study.calibration.other_inputs import InputShift, input_shifts
 from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Residuals, Simulate, reasons_of
-from screwsim.study.inputs import shown_value
-from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import Progress
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.workers import WORKER_DIED
 
 PROBABILITY = 0.6827  # of the joint region of the free parameters within which fits count as equally good
 MOST_STEPS = 40  # steps per round of a start
@@ -82,6 +82,7 @@ class Calibration(Brief):
     methods: Mapping[str, str] = field(default_factory=dict)  # by path: '' for exact slopes, else why differences
     warnings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # of points that warn at the best values
     shifts: tuple[InputShift, ...] = ()  # of the values by the tolerances of inputs that are not fitted
+    left_out: Mapping[str, str] = field(default_factory=dict)  # of those inputs, without a derivative, and why
 
     @property
     def scale(self) -> float:
@@ -162,12 +163,12 @@ def calibrate(
                 progress=progress,
                 kept=answers.update,
             )
-            return _calibration_of_starts(fit, answers, simulate)
+            return _calibration_of_starts(fit, answers, simulate, jobs)
         except KeyboardInterrupt as pressed:
             answers |= _interrupted_starts(places, Path(folder), answers)
             if not answers:
                 raise
-            raise Interrupted(_calibration_of_starts(fit, answers, simulate, interrupted=True)) from pressed
+            raise Interrupted(_calibration_of_starts(fit, answers, simulate, jobs, interrupted=True)) from pressed
 
 
 def _interrupted_starts(places: Array, folder: Path, known: Mapping[int, Start]) -> dict[int, Start]:
@@ -226,7 +227,7 @@ def _failed_start(began: Array, reason: str) -> Start:
 
 
 def _calibration_of_starts(
-    fit: Fit, answers: Mapping[int, Start], simulate: Simulate | None, interrupted: bool = False
+    fit: Fit, answers: Mapping[int, Start], simulate: Simulate | None, jobs: int | None, interrupted: bool = False
 ) -> Calibration:
     """Return the answer from the results of the starts, by their numbers."""
     starts = [answers[number] for number in sorted(answers)]
@@ -238,7 +239,7 @@ def _calibration_of_starts(
     asked = Objective(fit, simulate)
     places, known = np.array(best.places), None
     shifts: tuple[InputShift, ...] = ()
-    lost = ""
+    left_out: dict[str, str] = {}
     if not interrupted:
         if _search(asked, places, confirmed=True) and asked.best is not None:
             best = replace(best, status="ok", message="")
@@ -248,10 +249,8 @@ def _calibration_of_starts(
         slopes, off = asked.slopes(places), asked.outcome(places).known
         known = certainty(fit.parameters, places, slopes, off, apart=asked.apart(slopes), together=fit.together)
         if simulate is None:
-            try:
-                shifts = input_shifts(fit, places, slopes, asked.outcome(places), asked.values(places))
-            except UsageError as error:  # an input follows from others at a point
-                lost = f"no errors from other inputs: {error}"
+            outcome, values = asked.outcome(places), asked.values(places)
+            shifts, left_out = input_shifts(fit, places, slopes, outcome, values, jobs)
     outcome = asked.outcome(places)
     values = asked.values(places)
     compared, reasons, warned = _compared(asked, outcome, values)
@@ -260,9 +259,10 @@ def _calibration_of_starts(
     margin = _margin(free, outcome.chi_squared, freedom)
     as_good = tuple(i for i, one in enumerate(starts) if one.cost - best.cost <= margin and one.status != "failed")
     status = "interrupted" if interrupted else "failed" if outcome.reasons else "ok"
-    message = "; ".join(filter(None, (_message(outcome, best, interrupted, len(starts)), lost)))
+    message = _message(outcome, best, interrupted, len(starts))
     rest = (known, outcome.chi_squared, freedom, margin, as_good, compared, reasons)
-    more: dict[str, Any] = {**_counts((*starts, asked)), "methods": asked.methods, "warnings": warned, "shifts": shifts}
+    more: dict[str, Any] = {**_counts((*starts, asked)), "methods": asked.methods, "warnings": warned}
+    more |= {"shifts": shifts, "left_out": left_out}
     return Calibration(fit, status, message, tuple(starts), values, *rest, **more)
 
 

@@ -16,8 +16,8 @@ from screwsim.study.datasheet.air_year import Demand, read_profile
 from screwsim.study.datasheet.bounds import limits_of
 from screwsim.study.datasheet.sheet import Sheet
 from screwsim.study.datasheet.units import BY_NAME
-from screwsim.study.progress import Progress
-from screwsim.study.stages.read import StageChain
+from screwsim.study.pool.progress import Progress
+from screwsim.study.stages.chain import StageChain
 
 __all__ = ["Sheet", "SheetOptions", "sheet_of"]
 
@@ -133,13 +133,13 @@ def _own_point(subject: Scene | StageChain) -> Result | None:
     """Return the own point with its uncertainties, each part by itself; None where no scene states any."""
     if isinstance(subject, Scene):
         from screwsim.simulate import simulate
-        from screwsim.study.uncertain import with_uncertainty
+        from screwsim.study.uncertainty.point import with_uncertainty
 
         asked = subject.uncertain or subject.model_error
         return with_uncertainty(subject, simulate(subject, trace=False)) if asked else None
     from screwsim.study.stages.solve import run_stages
-    from screwsim.study.stages.uncertain import with_uncertainty as of_both
-    from screwsim.study.uncertain import tolerances_of
+    from screwsim.study.uncertainty.spreads import tolerances_of
+    from screwsim.study.uncertainty.stages import with_uncertainty as of_both
 
     base = replace(subject, sweep={}, joints=())
     return of_both(base, run_stages(base)).as_result() if tolerances_of(subject).uncertain else None

@@ -18,11 +18,11 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import lines
 from screwsim.simulate import simulate_many
+from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet.hottest_room import Room, hottest_rooms
 from screwsim.study.datasheet.rated import without_sweep
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.goals import Bound
-from screwsim.study.progress import Progress
+from screwsim.study.pool.progress import Progress
 
 SPEED, STATE = "operation.speed", "effects.air_package.state"
 LOAD_TOLERANCE = 0.01  # of full flow, tolerance within which a load is met

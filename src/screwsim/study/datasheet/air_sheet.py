@@ -4,9 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from screwsim.effects.air_package import FREE_AIR
-from screwsim.effects.parts.rating import CFM, HORSEPOWER, PSI, WEIGHTS
+from screwsim.effects.parts.rating import WEIGHTS
 from screwsim.outputs import Result
 from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.us_units import CFM, HORSEPOWER, PSI
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation

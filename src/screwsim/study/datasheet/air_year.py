@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.effects.parts.rating import CFM, FOOT
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 from screwsim.numerics.pchip import Pchip
+from screwsim.outputs.us_units import CFM, FOOT
 from screwsim.scene.units import NUMBER, parse_quantity, refused_at
 from screwsim.study.datasheet.air_rating import Point, Rating
 from screwsim.study.datasheet.sheet import Table

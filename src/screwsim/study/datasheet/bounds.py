@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text, shown_name
 from screwsim.scene import Scene
+from screwsim.study.asked.goals import Bound, read_bounds
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.goals import Bound, read_bounds
-from screwsim.study.stages.read import StageChain
+from screwsim.study.stages.chain import StageChain
 
 MOTOR = "motor"
 RATED = f"effects.{MOTOR}.rated_power"

@@ -14,6 +14,7 @@ from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, P_D, P_S
+from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet import rated as rating
 from screwsim.study.datasheet import tables
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
@@ -23,7 +24,6 @@ from screwsim.study.datasheet.rated import Axis, SceneRating, SceneRequest, pres
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.tables import DUTY
 from screwsim.study.datasheet.units import METRIC, Standard, Units
-from screwsim.study.goals import Bound
 from screwsim.study.part_load import CONTROL_ENDS, GAS, RATIO_PATH, SPEED_PATH, controls, ratios
 
 FLOW, DISCHARGE = "gas_mass_flow", "discharge_temperature"

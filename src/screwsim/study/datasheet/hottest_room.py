@@ -12,12 +12,12 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
+from screwsim.study.asked.goals import Bound, Goal, read_bounds
+from screwsim.study.asked.spans import Span
 from screwsim.study.datasheet.bounds import bound_words, limit_text
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.goals import Bound, Goal, read_bounds
-from screwsim.study.optimum import results_at
+from screwsim.study.pool.solving import results_at
 from screwsim.study.seek import Question, find_each
-from screwsim.study.spans import Span
 
 INLET, COOLANT = "operation.suction.temperature", "effects.separator.cooler.coolant_temperature"
 LEAST_SPAN = 40.0  # K by which the search goes beyond the temperature as stated, at least

@@ -20,14 +20,14 @@ from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.simulate import simulate_many
+from screwsim.study.asked.goals import Bound
+from screwsim.study.asked.inputs import ends_of, read_text, shown_range, shown_value
 from screwsim.study.datasheet.bounds import EnvelopeRange, envelope, motor_of
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.goals import Bound
-from screwsim.study.inputs import ends_of, read_text, shown_range, shown_value
-from screwsim.study.parallel import parallel_map
 from screwsim.study.part_load import LOADS, REFRIGERATION, SPEED_PATH, Control, LoadFigures, PartLoad, part_load
-from screwsim.study.progress import Progress
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.workers import WORKER_DIED
 
 DEAD = Result("failed", message=WORKER_DIED)
 LEAST_LIFT = 10.0  # [K]

@@ -13,6 +13,7 @@ from screwsim.scene import Scene, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet import rated as rating
 from screwsim.study.datasheet import tables
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
@@ -21,7 +22,6 @@ from screwsim.study.datasheet.rated import Axis, Rating, RatingRequest, SceneRat
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
 from screwsim.study.datasheet.tables import DUTY
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.goals import Bound
 from screwsim.study.part_load import CONTROL_ENDS, RATIO_PATH, controls, ratios
 
 CAPACITY, FLOW, DISCHARGE = "cooling_capacity", "gas_mass_flow", "discharge_temperature"

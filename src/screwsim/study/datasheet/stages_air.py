@@ -25,12 +25,12 @@ from screwsim.study.datasheet.rated import Part, answers_of
 from screwsim.study.datasheet.sheet import Sheet, Table
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.part_load import SPEED_PATH
-from screwsim.study.progress import Progress
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.workers import WORKER_DIED
 from screwsim.study.stages import ChainResult
 from screwsim.study.stages.axes import STAGE_NAMES
-from screwsim.study.stages.points import solved_with
-from screwsim.study.stages.read import StageChain
-from screwsim.study.workers import WORKER_DIED
+from screwsim.study.stages.chain import StageChain
+from screwsim.study.sweep.stages import solved_with
 
 SPEEDS = tuple(f"{stage}.{SPEED_PATH}" for stage in STAGE_NAMES)
 STAGE_HEADS = (

@@ -7,14 +7,14 @@ from screwsim.figures.engineering import shown_name
 from screwsim.outputs.customary import with_printed_units
 from screwsim.outputs.display import grouped
 from screwsim.scene import grid
+from screwsim.study.asked.inputs import in_customary
 from screwsim.study.datasheet.columns import HOUR, KW, NONE, PERCENT, Column, decimals_of
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, warning_lines
 from screwsim.study.datasheet.stages_air import STAGE_HEADS, is_air_package
 from screwsim.study.datasheet.stages_rating import refrigerates
 from screwsim.study.datasheet.tables import document_figures
-from screwsim.study.inputs import in_customary
 from screwsim.study.stages.axes import leaf_in_chain
-from screwsim.study.stages.read import StageChain
+from screwsim.study.stages.chain import StageChain
 from screwsim.study.stages.store import ChainPoint
 
 MOST_CURVES = 8  # in a drawing

@@ -23,10 +23,10 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
+from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet
 from screwsim.study.datasheet.rated import DEAD, Axis, Part, Rating, RatingRequest, rating_around, swept_values
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.goals import Bound
 from screwsim.study.part_load import (
     GAS,
     LOADS,
@@ -38,11 +38,11 @@ from screwsim.study.part_load import (
     PartLoad,
     curve_and_steps,
 )
-from screwsim.study.progress import Progress
+from screwsim.study.pool.progress import Progress
 from screwsim.study.stages import ChainResult, run_stages
 from screwsim.study.stages.axes import STAGE_NAMES
-from screwsim.study.stages.points import solved_with
-from screwsim.study.stages.read import StageChain
+from screwsim.study.stages.chain import StageChain
+from screwsim.study.sweep.stages import solved_with
 
 FIRST, SECOND = (f"{stage}." for stage in STAGE_NAMES)
 BOTH = "speed of both stages"

@@ -26,7 +26,7 @@ from screwsim.study.datasheet.tables import BLANK, DUTY, Lines
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.stages import ChainResult
 from screwsim.study.stages.axes import COOLS, FLASHES, NOTHING, STAGE_NAMES
-from screwsim.study.stages.read import StageChain
+from screwsim.study.stages.chain import StageChain
 
 CAPACITY, FLOW, INTERMEDIATE = "cooling_capacity", "gas_mass_flow", "intermediate_pressure"
 DISCHARGES = "first_discharge_temperature", "discharge_temperature"

@@ -12,13 +12,13 @@ from screwsim.outputs.display import picked
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING
+from screwsim.study.asked.inputs import shown_value
 from screwsim.study.datasheet.bearing_lives import lives_document
 from screwsim.study.datasheet.bounds import bound_words, exceeded_bounds, limit_text, motor_of
 from screwsim.study.datasheet.columns import NONE, Column
 from screwsim.study.datasheet.rated import Axis, Rating
 from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.inputs import shown_value
 from screwsim.study.part_load import REFRIGERATION, SPEED_PATH, LoadStep, PartLoad
 
 BLANK, MARK = "\u00a0", "*"

@@ -8,15 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from screwsim.effects.parts.rating import CFM, FOOT, HORSEPOWER, INCH, POUND_FORCE, PSI
 from screwsim.outputs import customary
+from screwsim.outputs.us_units import BTU, CFM, FOOT, GALLON, HORSEPOWER, INCH, POUND, POUND_FORCE, PSI, TON
 from screwsim.scene.types import STANDARD_ATMOSPHERE
 from screwsim.scene.units import ZERO_CELSIUS
 
-POUND, BTU = 0.45359237, 1055.05585262  # [kg], [J] of the International Table
-GALLON = 231.0 * INCH**3  # [m³]
 HOUR, MINUTE = 3600.0, 60.0  # [s]
-TON = 12000.0 * BTU / HOUR  # [W] of refrigeration
 
 
 class Measure(NamedTuple):

@@ -13,25 +13,27 @@ from screwsim.inputs.arguments import TEXTS, as_list, checked_arguments, whole
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
-from screwsim.scene import Scene, SceneLike
-from screwsim.study.goals import Bound
-from screwsim.study.inputs import check_fit, shown_figure, shown_value
+from screwsim.scene import SceneLike
+from screwsim.study.asked.goals import Bound
+from screwsim.study.asked.inputs import check_fit, shown_value
+from screwsim.study.asked.spans import LOWER, UPPER, read_spans, refusal_beyond
+from screwsim.study.asked.varied import Varied, with_text, with_values
+from screwsim.study.best.search import Maximum
 from screwsim.study.optimize.evaluate import SimulatedPoint, simulated
 from screwsim.study.optimize.points import OperatingPoints
 from screwsim.study.optimize.question import Aim, Question, question
 from screwsim.study.optimize.record import Record
 from screwsim.study.optimize.solve import front_of, search
 from screwsim.study.optimize.store import held_parts, write
-from screwsim.study.optimum import Simulate, simulator
-from screwsim.study.parallel import BatchWorkers, WarmSimulation
-from screwsim.study.progress import Progress, progress_of
-from screwsim.study.search import Maximum
+from screwsim.study.pool.parallel import BatchWorkers, WarmSimulation
+from screwsim.study.pool.progress import Progress, progress_of
+from screwsim.study.pool.solving import Simulate, simulator
+from screwsim.study.pool.tally import Place, Tally
+from screwsim.study.pool.workers import cores
 from screwsim.study.seek import rounded
-from screwsim.study.spans import LOWER, UPPER, read_spans, refusal_beyond
 from screwsim.study.stages import scene_or_stages
-from screwsim.study.tally import Place, Tally
-from screwsim.study.varied import Varied, solved, with_text, with_values
-from screwsim.study.workers import cores
+from screwsim.study.uncertainty.point import figures_by_inputs
+from screwsim.study.uncertainty.spreads import FigureUncertainty
 
 __all__ = ["Aim", "EquallyGoodRange", "Optimum", "Question", "optimize", "question", "run_question", "spans_of"]
 
@@ -62,7 +64,8 @@ class Optimum(Brief):
     The rows of `places` (0 … 1 between the bounds), `aims`, `errors` (numerical, of the aims, absolute) and `excess`
     (over the bounds) are the evaluations; NaN where one failed. `front` holds the rows that no other dominates, sorted
     by the first aim; with one aim it is the best alone, to which `values`, `reach`, `points` and `scene` belong.
-    `others` are further local optima (value, aim) of one path.
+    `others` are further local optima (value, aim) of one path. `by_inputs` are the uncertainties of the best's aim and
+    bounded figures at its one operating point by the tolerances of the scene's other inputs.
     """
 
     asked: Question
@@ -81,6 +84,7 @@ class Optimum(Brief):
     others: tuple[tuple[float, float], ...] = ()
     points: tuple[SimulatedPoint, ...] = ()
     scene: Varied | None = None
+    by_inputs: Mapping[str, FigureUncertainty] = field(default_factory=dict)
     warnings: Mapping[int, tuple[str, ...]] = field(default_factory=dict)  # of evaluations on the front that warn
 
     @property
@@ -97,10 +101,11 @@ class Optimum(Brief):
         asked = ", ".join(f"{'least' if aim.minimum else 'greatest'} {aim.figure}" for aim in aims)
         rows = []
         for row in map(int, self.front):
-            figures = [shown_figure(aim.figure, float(self.aims[row, i])) for i, aim in enumerate(aims)]
+            figures = [figure_text(aim.figure, float(self.aims[row, i])) for i, aim in enumerate(aims)]
             rows.append([*figures, *(shown_value(scene, path, at) for path, at in self.values_at(row).items())])
         counts = f"{len(self.places)} evaluations, {self.failed} failed, {self.outside} outside the bounds"
-        notes = [counts, *([self.message] if self.message else [])]
+        due = "uncertain by the tolerances of inputs, too (.by_inputs)" if self.by_inputs else ""
+        notes = [text for text in (counts, self.message, due) if text]
         columns = [*(aim.figure for aim in aims), *(span.path for span in self.asked.spans)]
         return About(f"Optimum: {self.status}, {asked}", notes, columns, rows)
 
@@ -167,10 +172,8 @@ def run_question(
     """Return the answer to a question."""
     begin = asked.values([span.first for span in asked.spans])
     check_fit(with_values(asked.scene, asked.points.points[0].values), begin, ", ".join(begin))
-    if simulate is None and isinstance(asked.scene, Scene):
+    if simulate is None:
         simulator(with_values(asked.scene, begin))  # compiled before the fork
-    elif simulate is None:
-        simulate = solved
     progress, jobs = progress or Progress(), jobs or cores()
     target = None if output is None else Path(output)
     if target is not None:
@@ -224,7 +227,12 @@ def _optimum_of(record: Record, top: Maximum | None, simulate: Simulate) -> Opti
     others = tuple((asked.spans[0].value(each.x), float(signs[0] * -each.y)) for each in lower)
     ranges = (_equally_good_range(found, feasible, i, best, top, simulate) for i in range(len(asked.spans)))
     reach = {span.path: one for span, one in zip(asked.spans, ranges, strict=True)}
-    return replace(found, reach=reach, others=others, points=points, scene=found.scene_at(best))
+    scene = found.scene_at(best)
+    found = replace(found, reach=reach, others=others, points=points, scene=scene)
+    if not asked.points.single:
+        return found
+    by_inputs, message = figures_by_inputs(scene, points[0].result, asked.figures, list(found.values))
+    return replace(found, by_inputs=by_inputs, message=message)
 
 
 def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:

@@ -11,14 +11,14 @@ from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import STATUSES, Result
 from screwsim.results.table import Table
 from screwsim.scene import Scene, lines, refrigerating_effect
-from screwsim.study.goals import Goal
+from screwsim.study.asked.goals import Goal
+from screwsim.study.asked.spans import Span
+from screwsim.study.asked.varied import Varied, accuracy_of, value_at, with_values
 from screwsim.study.optimize.points import OperatingPoint, OperatingPoints
 from screwsim.study.optimize.question import Question
-from screwsim.study.optimum import Simulate, simulated_if_valid
+from screwsim.study.pool.solving import Simulate, simulated_if_valid
 from screwsim.study.seek import one_goal
 from screwsim.study.seek.trials import Trials, size_of
-from screwsim.study.spans import Span
-from screwsim.study.varied import Varied, accuracy_of, value_at, with_values
 
 LOAD_TOLERANCE = 5e-3  # of a part load: the standards measure at loads within some percent
 LEAST_CONTROL, MOST_CONTROL = 0.05, 1.3  # of the full load's control, the first times the load: search range

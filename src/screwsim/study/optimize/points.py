@@ -18,7 +18,7 @@ from screwsim.scene import Scene, leaf_of
 from screwsim.scene.operation import CONDENSING, EVAPORATING
 from screwsim.scene.units import NUMBER, ZERO_CELSIUS, refused_at
 from screwsim.scene.values import convert
-from screwsim.study.inputs import check_continuous
+from screwsim.study.asked.inputs import check_continuous
 
 T_WATER = 7.0  # [°C] of the leaving chilled water, in all of them
 

@@ -8,12 +8,12 @@ from screwsim.inputs.arguments import shown
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene
 from screwsim.scene.grid import too_many
-from screwsim.study.figures import figure_of
-from screwsim.study.goals import Bound, read_bounds
-from screwsim.study.inputs import check_continuous, usual_efficiency
+from screwsim.study.asked.figures import figure_of
+from screwsim.study.asked.goals import Bound, read_bounds
+from screwsim.study.asked.inputs import check_continuous, usual_efficiency
+from screwsim.study.asked.spans import Span, read_spans
+from screwsim.study.asked.varied import Varied
 from screwsim.study.optimize.points import SINGLE_POINT, OperatingPoints, read_points
-from screwsim.study.spans import Span, read_spans
-from screwsim.study.varied import Varied
 
 EVALUATIONS_PER_PATH = 100  # evaluations per path, where no number is given
 

@@ -16,17 +16,17 @@ import numpy as np
 from screwsim.outputs import Result
 from screwsim.results.table import Table, join, table_of, warnings_at
 from screwsim.scene import Scene
-from screwsim.study.limit import CASE_LIMIT, TimeLimit
-from screwsim.study.local import with_slopes
+from screwsim.study.asked.varied import with_values
 from screwsim.study.optimize.evaluate import Evaluation, evaluation_of, simulated
 from screwsim.study.optimize.question import Question
-from screwsim.study.optimum import Simulate
-from screwsim.study.parallel import BatchWorkers, WarmSimulation, unpacked
-from screwsim.study.progress import Progress
-from screwsim.study.shards import Parts
-from screwsim.study.tally import Place, Tally
-from screwsim.study.varied import with_values
-from screwsim.study.workers import WORKER_DIED, pickled_work
+from screwsim.study.pool.limit import CASE_LIMIT, TimeLimit
+from screwsim.study.pool.parallel import BatchWorkers, WarmSimulation, unpacked
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.solving import Simulate
+from screwsim.study.pool.tally import Place, Tally
+from screwsim.study.pool.workers import WORKER_DIED, pickled_work
+from screwsim.study.sweep.shards import Parts
+from screwsim.study.uncertainty.point import with_slopes
 
 # evaluations after which workers start afresh: their caches fill with tables and rotors of many profiles
 EVALUATIONS_PER_WORKER = 2000

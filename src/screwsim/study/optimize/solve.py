@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from screwsim.inputs.faults import UsageError
+from screwsim.study.best.search import COARSE_POINTS, Maximum, SearchPoint, find_maximum
 from screwsim.study.optimize.evaluate import Evaluation, total_violation
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import BudgetExhausted, Record
-from screwsim.study.search import COARSE_POINTS, Maximum, SearchPoint, find_maximum
 
 Array = NDArray[np.float64]
 FAILED_SCORE = 1e12  # score of a failed evaluation

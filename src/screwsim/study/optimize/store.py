@@ -23,12 +23,12 @@ from screwsim.results.schema import Axis, Subject, axis_of, digest, subject_of
 from screwsim.results.write import Draft
 from screwsim.scene import Scene
 from screwsim.scene.grid import unit_of
+from screwsim.study.asked.varied import leaf_of
 from screwsim.study.columns import Column, protect_other_columns, write_columns
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record
-from screwsim.study.shards import Parts
 from screwsim.study.stages.store import subject_of_chain
-from screwsim.study.varied import leaf_of
+from screwsim.study.sweep.shards import Parts
 
 COMMAND_NAME = "optimize"  # in the history of a results file
 TABLE_TITLE, TABLE_COLUMNS = "optimisation", (EVALUATION, "feasible", "front", "status")  # of a table's own

@@ -8,23 +8,23 @@ from typing import Any
 from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, as_list, checked_arguments
 from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
-from screwsim.scene import Scene, SceneLike, case_count, case_values
+from screwsim.scene import SceneLike, case_count, case_values
 from screwsim.scene.grid import with_sweep_over
 from screwsim.scene.units import gauge_pressures_over
-from screwsim.study.figures import figure_of
-from screwsim.study.goals import Goal, of_ambient, read_figure, read_goals
-from screwsim.study.inputs import check_fit, read_text, shown_value
-from screwsim.study.optimum import Simulate, simulator
-from screwsim.study.parallel import WarmSimulation, parallel_map
-from screwsim.study.progress import Progress, progress_of
+from screwsim.study.asked.figures import figure_of
+from screwsim.study.asked.goals import Goal, of_ambient, read_figure, read_goals
+from screwsim.study.asked.inputs import check_fit, read_text, shown_value
+from screwsim.study.asked.spans import Span, read_spans
+from screwsim.study.asked.varied import Varied, case, with_text, with_values
+from screwsim.study.pool.parallel import WarmSimulation, parallel_map
+from screwsim.study.pool.progress import Progress, progress_of
+from screwsim.study.pool.solving import Simulate, simulator
+from screwsim.study.pool.workers import WORKER_DIED
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.answer import GoalSeekAnswer, answer_of_trials, next_size, read_catalogue
 from screwsim.study.seek.by_inputs import uncertainties_by_inputs
 from screwsim.study.seek.trials import ReportedSimulation, Trial, Trials
-from screwsim.study.spans import Span, read_spans
 from screwsim.study.stages import scene_or_stages
-from screwsim.study.varied import Varied, case, solved, with_text, with_values
-from screwsim.study.workers import WORKER_DIED
 
 __all__ = ["GoalSeekAnswer", "Question", "find", "find_each", "question"]
 
@@ -113,13 +113,9 @@ def find(
     given = scene_or_stages(scene)
     asked = question(given, vary, goals, catalogue)
     alone = case(with_sweep_over(given, ()), 0)
-    simulate, expected = simulate or _simulation_of(given), EXPECTED_SOLUTIONS * len(asked.spans)
+    simulate, expected = simulate or WarmSimulation(), EXPECTED_SOLUTIONS * len(asked.spans)
     with ReportedSimulation(simulate, progress_of("find", progress), expected) as told:
         return find_each(alone, asked, jobs=1, simulate=told)[0]
-
-
-def _simulation_of(scene: Varied) -> Simulate:
-    return WarmSimulation() if isinstance(scene, Scene) else solved
 
 
 def find_each(
@@ -136,7 +132,7 @@ def find_each(
     check_fit(case(rest, 0), varied, ", ".join(varied))
     count = case_count(rest)
     first = with_values(case(rest, 0), varied)
-    if simulate is None and count > 1 and jobs != 1 and isinstance(first, Scene):
+    if simulate is None and count > 1 and jobs != 1:
         simulator(first)  # compiled before the fork
     return parallel_map(
         partial(_answer_at_point, rest, asked, simulate),
@@ -151,7 +147,7 @@ def find_each(
 
 def _answer_at_point(rest: Varied, asked: Question, simulate: Simulate | None, number: int) -> GoalSeekAnswer:
     """Return the answer at one point of the other axes."""
-    trials = Trials(case(rest, number), asked.spans, asked.goals, simulate or _simulation_of(rest))
+    trials = Trials(case(rest, number), asked.spans, asked.goals, simulate or WarmSimulation())
     met = (one_goal if len(asked.spans) == 1 else several_goals).solve(trials)
     at: dict[str, Any] = case_values(rest, number)
     found = answer_of_trials(trials, met, at)

@@ -12,13 +12,13 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.scene.units import NUMBER
-from screwsim.study.goals import Goal
-from screwsim.study.inputs import read_text, shown_figure, shown_range, shown_value, unit_behind
+from screwsim.study.asked.goals import Goal
+from screwsim.study.asked.inputs import read_text, shown_range, shown_value, unit_behind
+from screwsim.study.asked.spans import LOWER, UPPER, Span
+from screwsim.study.asked.varied import Varied
 from screwsim.study.seek import one_goal, several_goals
 from screwsim.study.seek.trials import Trial, Trials
-from screwsim.study.spans import LOWER, UPPER, Span
-from screwsim.study.uncertain import FigureUncertainty
-from screwsim.study.varied import Varied
+from screwsim.study.uncertainty.spreads import FigureUncertainty
 
 SAME_SIZE = 1e-9  # relative difference below which a size equals the value
 BOUND_DISTANCE = 1e-6  # of a range: distance from its end that counts as at the end
@@ -65,8 +65,8 @@ class GoalSeekAnswer(Brief):
     def _about(self) -> About:
         rows = [("at", path, self._shown(path, value)) for path, value in self.at.items()]
         rows += [("value", path, self._shown(path, value)) for path, value in self.values.items()]
-        rows += [("figure", name, shown_figure(name, value)) for name, value in self.figures.items()]
-        asked = ", ".join(f"{goal.figure} = {shown_figure(goal.figure, goal.value)}" for goal in self.goals)
+        rows += [("figure", name, figure_text(name, value)) for name, value in self.figures.items()]
+        asked = ", ".join(f"{goal.figure} = {figure_text(goal.figure, goal.value)}" for goal in self.goals)
         due = "uncertain by the tolerances of other inputs, too (.by_inputs)" if self.by_inputs else ""
         notes = [text for text in (self.message, due) if text]
         return About(f"Found: {self.status}, for {asked}", notes, ("", "name", "is"), rows)

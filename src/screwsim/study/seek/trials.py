@@ -5,11 +5,11 @@ from typing import Any, Self
 
 from screwsim.figures import declared
 from screwsim.outputs import Result
-from screwsim.study.goals import Bound, Goal
-from screwsim.study.optimum import Simulate, absolute_error, simulated_if_valid
-from screwsim.study.progress import Progress
-from screwsim.study.spans import Span, refusal_beyond
-from screwsim.study.varied import Varied, with_values
+from screwsim.study.asked.goals import Bound, Goal
+from screwsim.study.asked.spans import Span, refusal_beyond
+from screwsim.study.asked.varied import Varied, with_values
+from screwsim.study.pool.progress import Progress
+from screwsim.study.pool.solving import Simulate, absolute_error, simulated_if_valid
 
 MET_TOLERANCE = 0.5  # of the estimated errors of the figures: distance within which a goal is met
 GOAL_ROUNDING = 1e-9  # of a goal

@@ -20,7 +20,7 @@ from screwsim.scene.operation import line_axis_faults
 from screwsim.scene.units import Refused
 
 if TYPE_CHECKING:
-    from screwsim.study.stages.read import StageChain
+    from screwsim.study.stages.chain import StageChain
 
 STAGE_NAMES = ("first", "second")
 BETWEEN = "intercooler"
@@ -36,6 +36,7 @@ SOLVED = {  # beginnings of paths that the chain replaces by what it finds
     ),
     "second": ("operation.suction.", "operation.evaporating_temperature", "operation.superheat"),
 }
+UNLOADED_STAGE = "is unloaded and blows off what it moves, so that the pair delivers nothing"
 MOST_MEANT = 4  # paths that are offered for one without a stage
 NOTHING, COOLS, FLASHES = "none", "cooler", "economizer"
 INTERCOOLER_KINDS = {  # what lies between both stages, in words
@@ -71,6 +72,11 @@ class Intercooler:
 
 
 LEAVES = {name: leaf for name, leaf in section_of(Intercooler).fields.items() if isinstance(leaf, Leaf)}
+
+
+def names_of(path: str, two: bool) -> tuple[str, ...]:
+    """Return the names under which an input of a scene varies, alone or of `two` in series."""
+    return names_in_chain(path) if two else (path,)
 
 
 def names_in_chain(path: str) -> tuple[str, ...]:

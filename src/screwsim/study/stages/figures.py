@@ -1,9 +1,11 @@
 """Figures of two stages together, from the results of both at one intermediate pressure (docs/model.md M203)."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -20,7 +22,6 @@ from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene, suction_enthalpy
 from screwsim.scene.lines import condensate_enthalpy, lines
 from screwsim.study.stages.axes import STAGE_NAMES
-from screwsim.study.stages.read import StageChain
 from screwsim.study.stages.result import (
     FiguresAndReasons,
     capacities,
@@ -28,6 +29,9 @@ from screwsim.study.stages.result import (
     electrical_figures,
     figures_of_both,
 )
+
+if TYPE_CHECKING:
+    from screwsim.study.stages.chain import StageChain
 
 NO_INPUT_POWER = "the input power of both stages is not positive"
 SEPARATOR_FIGURES = ("separator_temperature", "oil_cooler_duty")  # figures of each stage's separator

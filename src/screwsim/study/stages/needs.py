@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from screwsim.effects.air_package import AIR
 from screwsim.scene import Scene
 from screwsim.scene.lines import condensate_enthalpy
-from screwsim.study.figures import figures_of
+from screwsim.study.asked.figures import figures_of
 from screwsim.study.stages.axes import STAGE_NAMES
 
 _MOTORS, _AIR, _CONDENSER = "motors", "air", "condenser"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from screwsim.evaluate.performance import NO_POWER, heating, parted
 from screwsim.figures import Performance
 from screwsim.figures.errors import error_in_unit, error_scale, zeros_for_none
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import STAGES, Figures, Result
 from screwsim.outputs.customary import in_celsius
 from screwsim.outputs.display import picked
@@ -41,18 +42,32 @@ class ChainResult:
     warnings: tuple[str, ...] = ()  # of the whole; those of a stage are in its result
     uncertainty: Mapping[str, Any] = field(default_factory=dict)  # by the inputs of both, where they have tolerances
 
-    def as_result(self) -> Result:
+    def as_result(self) -> WholeResult:
         """Return the figures of the whole as the result of one machine, with the warnings of both stages."""
         named = zip(STAGE_NAMES, self.stages, strict=False)
         warnings = (*self.warnings, *(f"{which} stage: {text}" for which, each in named for text in each.warnings))
         figures = {"performance": self.performance, "error": self.error, "uncertainty": self.uncertainty}
-        return Result(self.status, self.message, warnings, notes=self.notes, **figures)
+        return WholeResult(self.status, self.message, warnings, notes=self.notes, **figures, whole=self)
 
     def as_json(self) -> dict[str, Any]:
         """Return what `run --json` prints for two stages."""
         own = picked(self, "status", "message", "warnings", "performance", "error", "notes")
         own |= {"uncertainty": dict(self.uncertainty)} if self.uncertainty else {}
         return own | {"stages": [result.as_json() for result in self.stages]}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WholeResult(Result):
+    """Figures of two stages together as the result of one machine, and the `whole` that they are of."""
+
+    whole: ChainResult = field(default=ChainResult("failed"), compare=False)
+
+
+def solution_of(result: Result) -> ChainResult:
+    """Return the solution of two stages that a result is of; raise UsageError for that of one machine."""
+    if not isinstance(result, WholeResult):
+        raise UsageError("result: belongs to one machine, and here are two stages (leave it out)")
+    return result.whole
 
 
 def figures_of_both(values: Mapping[str, Any]) -> Performance:

@@ -1,9 +1,11 @@
 """Solve for the intermediate pressure of two stages (docs/model.md M200–M202)."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,10 +22,12 @@ from screwsim.outputs.customary import in_bar, in_celsius
 from screwsim.scene import Scene, cross_check, lines, scene_text, with_values
 from screwsim.scene.types import ActiveEffect, parameters_of_type
 from screwsim.simulate import simulate, simulate_next
-from screwsim.study.stages.axes import SOLVED, STAGE_NAMES
+from screwsim.study.stages.axes import SOLVED, STAGE_NAMES, UNLOADED_STAGE
 from screwsim.study.stages.figures import ChainEnds, StagePair, chain_figures, delivery_temperature
-from screwsim.study.stages.read import UNLOADED_STAGE, StageChain
 from screwsim.study.stages.result import ChainResult, chain_errors, delivery_temperature_figure, idle_cooler
+
+if TYPE_CHECKING:
+    from screwsim.study.stages.chain import StageChain
 
 BRACKET_GROWTH = 1.25  # factor between successive pressures while the solution is being bracketed
 LEAST_STAGE_RATIO = 1.02  # least pressure ratio of a stage that is tried

@@ -36,7 +36,7 @@ from screwsim.study.stages.axes import BETWEEN, LEAVES, SOLVED, STAGE_NAMES, lea
 from screwsim.study.stages.tolerances import tolerance_lines
 
 if TYPE_CHECKING:
-    from screwsim.study.stages.read import StageChain
+    from screwsim.study.stages.chain import StageChain
     from screwsim.study.stages.result import ChainResult
 
 OWN_IDENTITY = ("file ", "values of the scene")  # beginnings of what an identity says of one scene

@@ -17,7 +17,7 @@ from screwsim.scene.yaml_tree import LocatedFaults, Node
 from screwsim.study.stages.axes import BETWEEN, LEAVES, SOLVED
 
 if TYPE_CHECKING:
-    from screwsim.study.stages.read import StageChain
+    from screwsim.study.stages.chain import StageChain
 
 _REMEDY = f"write {BLOCK}: {{{CORRELATED_KEY}: [[first.PATH, second.PATH], …]}}"
 

@@ -25,8 +25,8 @@ from screwsim.inputs.textfiles import Unreadable, read_text
 from screwsim.outputs import Result
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
-from screwsim.study.parallel import parallel_map
-from screwsim.study.progress import Progress
+from screwsim.study.pool.parallel import parallel_map
+from screwsim.study.pool.progress import Progress
 from screwsim.study.validation.discrepancy import compared, model_errors
 from screwsim.study.validation.record import (
     VERDICTS,

@@ -17,7 +17,8 @@ from screwsim.outputs import EFFICIENCY, Result
 from screwsim.outputs.display import grouped
 from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE
-from screwsim.study.uncertain import conditions_of, with_uncertainty
+from screwsim.study.uncertainty.model_error import conditions_of
+from screwsim.study.uncertainty.point import with_uncertainty
 from screwsim.study.validation.record import ValidationPoint
 
 UNCERTAINTY_PARTS = {"numerical": "u_num", "inputs": "u_input", "stated": "u_D"}

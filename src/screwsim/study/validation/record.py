@@ -84,7 +84,7 @@ class ValidationPoint:
     """One figure at one point of a machine, ours and the source's in SI units, with their standard uncertainties.
 
     `inputs` is ours due to the tolerances of the scene, `stated` the source's own: None where it is not stated.
-    `fitted` points are those to which a parameter was fitted. `at` are the conditions (`study.uncertain`).
+    `fitted` points are those to which a parameter was fitted. `at` are the conditions (`uncertainty.model_error`).
     """
 
     machine: str

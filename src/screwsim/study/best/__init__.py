@@ -1,0 +1,1 @@
+"""The best value of one path, searched for."""

@@ -1,0 +1,1 @@
+"""The work of a study on all cores: workers, progress, and the time that a case may take."""

@@ -1,0 +1,51 @@
+"""Model error of figures: what the validation that a scene names says of points like it (ASME V&V 20-2009)."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from screwsim.scene import Scene
+from screwsim.scene.model_errors import CONDITION_WORDS, RATIO, SPEED, shown_condition, stored_model_errors
+
+RANGE_MARGIN = 0.01  # of a value: margin by which it may lie outside the validated range
+
+
+def conditions_of(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the conditions by which points are compared: kind of machine, fluid, speed [rad/s], pressure ratio."""
+    found = {"machine.kind": scene.machine.kind, "gas.fluid": scene.gas.name, SPEED: float(scene.operation.speed)}
+    ratio = performance.get(RATIO)
+    return found if ratio is None else {**found, RATIO: float(ratio)}
+
+
+def model_error(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the validation that a scene names says of its figures [SI]; empty where it names none.
+
+    `low` and `high` are the ends between which the model error lies at the held-out points, scaled to the figure's
+    size; `outside` lists the respects in which the scene lies outside the validated conditions.
+    """
+    if not scene.model_error:
+        return {}
+    told = stored_model_errors()[scene.model_error]
+    figures = {}
+    for name, each in told["figures"].items():
+        value, held = performance.get(name), each["held_out"]
+        if value is None or held is None:
+            continue
+        size = abs(value) if each["relative"] else 1.0
+        ends = {end: size * held[end] for end in ("mean", "low", "high")}
+        figures[name] = ends | {"points": held["points"], "not_stated": each["not_stated"]}
+    outside = list(_outside(told["range"], conditions_of(scene, performance)))
+    return {"of": scene.model_error, "citation": told["citation"], "figures": figures, "outside": outside}
+
+
+def _outside(known: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the conditions that differ from the validated ones, and by how much."""
+    for name, value in here.items():
+        ends = known.get(name)
+        if ends is None:
+            continue
+        if isinstance(value, str):
+            if value not in ends:
+                yield f"{CONDITION_WORDS[name]} {value} ({', '.join(ends)})"
+        elif not ends[0] - RANGE_MARGIN * abs(ends[0]) <= value <= ends[1] + RANGE_MARGIN * abs(ends[1]):
+            shown, low, high = (shown_condition(name, each) for each in (value, *ends))
+            yield f"{CONDITION_WORDS[name]} {shown} ({low if low == high else f'{low} to {high}'})"

@@ -1,0 +1,105 @@
+"""Ratings of validation/hsk, varispeed and co2: what follows from them, their fits, and their verdicts."""
+
+import json
+from pathlib import Path
+
+import pytest
+from each_row import each_row
+
+from screwsim.study.calibration import read_fit
+from screwsim.study.validation import read_table, sibling
+
+ROOT = Path(__file__).parents[2]
+HSK, VARISPEED, CO2 = (ROOT / "validation" / name for name in ("hsk", "varispeed", "co2"))
+FIGURES = ("volumetric_efficiency", "electrical_isentropic_efficiency")
+
+
+@pytest.fixture(scope="module")
+def rated():
+    return sibling(HSK / "ratings.py")
+
+
+@pytest.fixture(scope="module")
+def row():
+    return next(row for row in read_table(HSK / "points.csv") if row["frequency_Hz"] == "50")
+
+
+def test_capacity_is_mass_flow_and_power_is_work(rated, row):
+    one = rated.rating(row)
+    twice = rated.rating({**row, "capacity_W": str(2.0 * float(row["capacity_W"]))})
+    strong = rated.rating({**row, "power_W": str(2.0 * float(row["power_W"]))})
+    for figure in FIGURES:
+        assert getattr(twice, figure) == pytest.approx(2.0 * getattr(one, figure), rel=1e-12)
+    assert strong.volumetric_efficiency == one.volumetric_efficiency
+    assert strong.electrical_isentropic_efficiency == pytest.approx(0.5 * one.electrical_isentropic_efficiency)
+
+
+def test_speed_and_swept_flow_follow_the_frequency_and_four_poles_halve_the_speed_alone(rated, row):
+    one, slow, four = rated.rating(row), rated.rating({**row, "frequency_Hz": "25"}), rated.rating(row, poles=4)
+    speed = "operation.speed"
+    assert slow.values[speed] == pytest.approx(0.5 * one.values[speed]) == four.values[speed]
+    assert slow.volumetric_efficiency == pytest.approx(2.0 * one.volumetric_efficiency)
+    assert four.volumetric_efficiency == one.volumetric_efficiency
+
+
+@each_row("folder", [HSK, VARISPEED], ids=lambda folder: folder.name)
+def test_a_fit_is_of_three_ratings_at_one_speed_and_within_its_bounds(folder):
+    fit, stored = read_fit(folder / "machine.fit.yaml"), json.loads((folder / "fitted" / "fit.json").read_text())
+    script = sibling(folder / ("ratings.py" if folder == HSK else "points.py"))
+    assert {point.name for point in fit.points if point.fitted} == set(script.FITTED)
+    assert len(fit.points) > len(script.FITTED)
+    for parameter in fit.parameters:
+        assert parameter.low < stored["parameters"][parameter.path]["value"] < parameter.high
+
+
+@each_row("folder", [HSK, VARISPEED], ids=lambda folder: folder.name)
+def test_the_points_of_a_fit_are_those_of_the_ratings(rated, folder):
+    poles, model = (2, rated.FITTED_MODEL) if folder == HSK else (4, "4CE-6.F1")
+    own = {one.name: one for one in rated.ratings(folder, poles) if (one.model, one.frequency) == (model, 50.0)}
+    points = read_fit(folder / "machine.fit.yaml").points
+    assert {point.name for point in points} == set(own)
+    for point in points:
+        for figure in FIGURES:
+            # two digits of a percentage
+            assert point.measured[figure].value == pytest.approx(getattr(own[point.name], figure), abs=6e-5)
+
+
+def test_one_point_outside_fails_whatever_the_mean(rated, row, compare_of):
+    compare = compare_of("hsk")
+    one = rated.rating(row)
+    near, far = (
+        compare.Found(one, {figure: getattr(one, figure) + off for figure in FIGURES}) for off in (0.01, -0.09)
+    )
+    within = dict.fromkeys(FIGURES, 0.05)
+    basis = dict.fromkeys(FIGURES, "")
+    assert {row.verdict for row in compare.farthest("", [near] * 9, within, basis)} == {"holds"}
+    failed = list(compare.farthest("", [near] * 8 + [far], within, basis))
+    assert {row.verdict for row in failed} == {"fails"}
+    assert [row.ours for row in failed] == pytest.approx([-9.0, -9.0])
+
+
+def test_curves_have_the_nominal_values_printed_beside_them(compare_of):
+    compare = compare_of("co2")
+    every = compare.compressors(CO2)
+    for row in read_table(CO2 / "curves.csv"):
+        y = 15.0 if row["range"] == "subcritical" else compare.NOMINAL[1]
+        value = every[row["model"]].at(row["figure"], row["range"], -5.0, y)
+        assert value == pytest.approx(1e3 * float(row["nominal_kW"]), rel=0.01)  # the cubics are fits
+
+
+def test_nominal_powers_of_both_files_are_the_same():
+    curves = {
+        row["model"]: row["nominal_kW"] for row in read_table(CO2 / "curves.csv") if row["range"] == "transcritical"
+    }
+    assert {row["model"]: row["power_kW"] for row in read_table(CO2 / "nominal.csv")} == curves
+
+
+def test_sources_that_were_not_run_stay_as_they_are_kept(page_script):
+    def source(*verdicts):
+        return {"rows": [{"verdict": verdict} for verdict in verdicts]}
+
+    kept = {"version": "1", "sources": {"a": source("holds"), "b": source("fails", "holds")}}
+    new = {"version": "2", "sources": {"b": source("fails"), "c": source("no verdict")}}
+    found = page_script.merged(kept, new)
+    assert found["sources"] == {"a": source("holds"), "b": source("fails"), "c": source("no verdict")}
+    assert found["verdicts"] == {"holds": 1, "fails": 1, "no verdict": 1}

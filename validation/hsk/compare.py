@@ -1,0 +1,225 @@
+"""Ratings of Bitzer's HSK screws over conditions, speed and size, beside new scenes and a machine fitted to three."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from screwsim.scene import Scene, load, loads, value_at, with_values
+from screwsim.simulate import simulate
+from screwsim.study.calibration import read_fit
+from screwsim.study.validation import Comparison, NotRun, Panel, Row, Series, equal, sibling
+from screwsim.template import new_scene, request_of
+
+rated = sibling(Path(__file__).parent / "ratings.py")
+
+TITLE = "Bitzer HSK screws on R134a: four sizes, three of them from 25 to 75 Hz"
+CITATION = (
+    "BITZER Software 7.1.11.4 as kept in bet-lab/TMHP (bitzer_efficiency_pilot, 2026-10-04); HSK8591: "
+    "oemof/tespy, the test of its PolynomialCompressor"
+)
+ABOUT = (
+    "These are figures of the maker's software, no measurements: mass flow and efficiencies follow from its capacity "
+    "and power. Profile, built-in volume ratio, oil and gaps of the machines are not known. 'New' are machines that "
+    "`screwsim new refrigeration` writes for the displacement, nothing of them adjusted to these ratings; the "
+    "tolerances are those of validation/templates. The fitted machine is the one of 192 m³/h, fitted to three "
+    "conditions at 50 Hz (machine.fit.yaml); all other conditions and all other speeds are predicted. The last rows "
+    "put what was fitted into the other sizes, leaks in proportion to what is written there. The displacement is "
+    "given at 2900 rpm, and an induction motor turns up to 3.4 % faster at light load: with 2950 rpm at 50 Hz, λ of "
+    "the source is known to 1.7 %. Above 50 Hz the slip grows, which would raise that of the source. What it shows: "
+    "the new machines of 84 to 192 m³/h leak too much, the more the slower they run, and the one of 535 too little, "
+    "so that a rule of sizes is not what tells the maker's machines apart; their electrical efficiency is near all "
+    "the same. Fitted at one speed, the model has both at all speeds but for what three things leave: λ of the source "
+    "falls more over the pressure ratio; it falls again above 60 Hz, where ours still rises (ports and passages that "
+    "throttle more, or slip); and so does its efficiency (friction here is a share of the power, whatever the speed)."
+)
+FIGURES = {"volumetric_efficiency": "λ", "electrical_isentropic_efficiency": "electrical η_s"}
+SMALL = {"volumetric_efficiency": 0.08, "electrical_isentropic_efficiency": 0.06}  # below LARGE
+NEW = {"volumetric_efficiency": 0.04, "electrical_isentropic_efficiency": 0.06}
+LARGE = 200.0  # m³/h
+FIT = {"volumetric_efficiency": rated.LAMBDA, "electrical_isentropic_efficiency": rated.ETA}
+CHANGE = 0.02  # of the change with the speed
+AT, SHOWN = "-5/40", "0/40"  # °C: of the change with the speed; of the figure
+FULL, SLOW = 50.0, 25.0  # Hz
+TAKEN = dict.fromkeys(FIGURES, "taken, as for new scenes (validation/templates)")
+ASKED = {
+    "volumetric_efficiency": "the source's speed is known to 1.7 %",
+    "electrical_isentropic_efficiency": "taken, as in validation/bitzer",
+}
+WRITTEN = "cooling: suction_gas}"
+INVERTER = "cooling: suction_gas, inverter: {rated_speed: 2950 rpm, loss: 0 W, harmonic_loss: 0}}"
+SHAFT = "effects.shaft_leakage.area"
+GAPS = tuple(f"effects.{name}.gap" for name in ("tip_leakage", "interlobe_leakage", "end_face_leakage"))
+PORTS = tuple(f"effects.{name}.flow_coefficient" for name in ("suction_port", "discharge_port"))
+ALONE = ("machine.built_in_volume_ratio", "effects.mechanical.fraction")
+UNITS = {"gap": (1e6, "µm"), "area": (1e6, "mm²"), "clearance": (1e6, "cm³"), "wall_temperature": (1.0, "K")}
+
+
+class Found(NamedTuple):
+    """A rating, and both figures of ours at its conditions."""
+
+    rating: rated.Rating
+    ours: Mapping[str, float]
+
+    def theirs(self, figure: str) -> float:
+        """Return the figure of the source."""
+        return float(getattr(self.rating, figure))
+
+
+def new(displacement: str) -> Scene:
+    """Return the machine that `screwsim new` writes for a displacement [m³/h], its motor on an inverter."""
+    text = new_scene("refrigeration", request_of(displacement=f"{displacement} m^3/h", speed=f"{rated.RATED:g} rpm"))
+    if WRITTEN not in text:
+        raise NotRun(f"the scene for {displacement} m^3/h has no motor in the suction gas")
+    return loads(text.replace(WRITTEN, INVERTER))
+
+
+def found(scene: Scene, ratings: Sequence[rated.Rating]) -> list[Found]:
+    """Return both figures at every rating whose cycle closes: uncooled oil gets too hot for its data at one."""
+    results = []
+    for one in ratings:
+        result = simulate(with_values(scene, dict(one.values)), trace=False)
+        if result.status == "ok":
+            results.append(Found(one, {name: float(result.performance[name]) for name in FIGURES}))
+    return results
+
+
+def resized(here: Path, scene: Scene) -> Scene:
+    """Return a new machine with its leaks and ports as fitted, leaks in proportion to those written."""
+    fit, written = load(here / "fitted" / "scene.yaml"), load(here / "machine.yaml")
+    values = {path: value_at(fit, path) for path in (*ALONE, *PORTS)}
+    for path in (*GAPS, SHAFT):
+        values[path] = value_at(scene, path) * value_at(fit, path) / value_at(written, path)
+    return with_values(scene, values)
+
+
+def farthest(
+    name: str, points: Sequence[Found], within: Mapping[str, float], basis: Mapping[str, str]
+) -> Iterator[Row]:
+    """Yield the largest difference of each figure over some points."""
+    for figure, text in FIGURES.items():
+        off = [100.0 * (each.ours[figure] - each.theirs(figure)) for each in points]
+        theirs = [100.0 * each.theirs(figure) for each in points]
+        spread = f"mean {sum(off) / len(off):+.1f}, from {min(off):+.1f} to {max(off):+.1f}"
+        note = f"{spread}; theirs {min(theirs):.1f} to {max(theirs):.1f} %"
+        quantity, limit = f"{name}: {text}, largest difference of {len(off)} points", 100.0 * within[figure]
+        ours, why = max(off, key=abs), basis[figure]
+        yield equal(quantity, ours, 0.0, limit, "published", unit="points", basis=why, note=note)
+
+
+def changes(name: str, points: Sequence[Found], condition: str = AT) -> Iterator[Row]:
+    """Yield by how much each figure changes from 50 Hz to either end of the speed, at one condition."""
+    at = {each.rating.frequency: each for each in points if each.rating.name == condition}
+    for frequency in (min(at), max(at)):
+        for figure, text in FIGURES.items():
+            here, full = at[frequency], at[FULL]
+            ours = 100.0 * (here.ours[figure] - full.ours[figure])
+            theirs = 100.0 * (here.theirs(figure) - full.theirs(figure))
+            limit = 100.0 * CHANGE
+            quantity = f"{name}, {condition} °C: {text} at {frequency:g} Hz less that at {FULL:g}"
+            yield equal(quantity, ours, theirs, limit, "published", unit="points", basis="2 points, taken")
+
+
+def fit_rows(here: Path, points: Sequence[Found], fitted: Sequence[str], condition: str = AT) -> Iterator[Row]:
+    """Yield the points of the fit, what it predicts elsewhere at 50 Hz, below and above, and its parameters."""
+    mine = [each for each in points if each.rating.frequency == FULL]
+    for each in mine:
+        if each.rating.name not in fitted:
+            continue
+        for figure, text in FIGURES.items():
+            ours, theirs = 100.0 * each.ours[figure], 100.0 * each.theirs(figure)
+            quantity = f"fitted machine, {each.rating.name} °C, {FULL:g} Hz: {text}"
+            note, limit = f"fitted; {ours - theirs:+.1f} points", 100.0 * FIT[figure]
+            yield equal(quantity, ours, theirs, limit, "calibrated", unit="%", basis=ASKED[figure], note=note)
+    others = [each for each in mine if each.rating.name not in fitted]
+    yield from farthest(f"fitted machine, predicted, {FULL:g} Hz", others, FIT, ASKED)
+    for slow in (True, False):
+        own = [each for each in points if each.rating.frequency != FULL and (each.rating.frequency < FULL) is slow]
+        at = [each.rating.frequency for each in own]
+        yield from farthest(f"fitted machine, predicted, {min(at):g} to {max(at):g} Hz", own, FIT, ASKED)
+    yield from changes("fitted machine, predicted", points, condition)
+    yield from parameters(here)
+
+
+def parameters(here: Path) -> Iterator[Row]:
+    """Yield the parameters of the stored fit with their standard errors."""
+    told = json.loads((here / "fitted" / "fit.json").read_text(encoding="utf-8"))["parameters"]
+    for parameter in read_fit(here / "machine.fit.yaml").parameters:
+        each, (factor, unit) = told[parameter.path], UNITS.get(parameter.path.rpartition(".")[2], (1.0, ""))
+        value, error = factor * each["value"], each["standard_error_scaled"]
+        uncertainty = None if error is None else factor * error
+        why, note = "± standard error of the fit", f"bounds {factor * each['from']:.4g} … {factor * each['to']:.4g}"
+        yield Row(parameter.path, value, None, "calibrated", "no verdict", unit, uncertainty, why, note)
+
+
+def compare(here: Path) -> Comparison:
+    """Return new machines of four sizes, the fitted one, and what its parameters make of the other sizes."""
+    by_model: dict[str, list[rated.Rating]] = {}
+    for one in rated.ratings(here):
+        by_model.setdefault(one.model, []).append(one)
+    rows, sizes, before = [], [], []
+    for model, ratings in by_model.items():
+        flow = ratings[0].displacement
+        scene, full = new(flow), [one for one in ratings if one.frequency == FULL]
+        points = found(scene, ratings)
+        name, within = f"new, {flow} m³/h ({model})", NEW if float(flow) >= LARGE else SMALL
+        rows += farthest(f"{name}, {FULL:g} Hz", [e for e in points if e.rating.frequency == FULL], within, TAKEN)
+        if any(one.frequency == SLOW for one in ratings):
+            rows += changes(name, points)
+        if model == rated.FITTED_MODEL:
+            before = points
+        else:
+            name = f"what was fitted, at {flow} m³/h ({model}), {FULL:g} Hz"
+            sizes += farthest(name, found(resized(here, scene), full), FIT, ASKED)
+    predicted = found(load(here / "fitted" / "scene.yaml"), by_model[rated.FITTED_MODEL])
+    return Comparison(
+        TITLE,
+        CITATION,
+        ABOUT,
+        [*rows, *fit_rows(here, predicted, rated.FITTED), *sizes],
+        tuple(panels(before, predicted, rated.FITTED_MODEL)),
+    )
+
+
+def panels(before: Sequence[Found], predicted: Sequence[Found], name: str, condition: str = SHOWN) -> Iterator[Panel]:
+    """Yield both figures over the frequency at one condition, and over the pressure ratio at 50 Hz."""
+    for figure, text in FIGURES.items():
+        kept = [[each for each in some if each.rating.name == condition] for some in (before, predicted)]
+        yield _panel(f"frequency / Hz, {condition} °C", f"{text} / %", figure, kept, _frequency, name)
+        kept = [[each for each in some if each.rating.frequency == FULL] for some in (before, predicted)]
+        yield _panel(f"pressure ratio, {FULL:g} Hz", f"{text} / %", figure, kept, _ratio, name, points=True)
+
+
+def _frequency(each: Found) -> float:
+    return each.rating.frequency
+
+
+def _ratio(each: Found) -> float:
+    return each.rating.ratio
+
+
+def _panel(
+    x_label: str,
+    y_label: str,
+    figure: str,
+    kept: Sequence[Sequence[Found]],
+    x: Callable[[Found], float],
+    name: str,
+    *,
+    points: bool = False,
+) -> Panel:
+    before, predicted = (sorted(each, key=x) for each in kept)
+    at, theirs = [x(each) for each in predicted], [100.0 * each.theirs(figure) for each in predicted]
+    written = [100.0 * each.ours[figure] for each in before]
+    own = [100.0 * each.ours[figure] for each in predicted]
+    return Panel(
+        x_label,
+        y_label,
+        (
+            Series(f"new, {predicted[0].rating.displacement} m³/h", [x(e) for e in before], written, points=points),
+            Series("fitted to three at 50 Hz", at, own, points=points),
+            Series(name, at, theirs, theirs=True, error=100.0 * FIT[figure]),
+        ),
+    )
