@@ -230,6 +230,9 @@ def test_a_path_that_the_scene_cannot_have_is_refused():
     one = loads(text)
     with pytest.raises(UsageError, match=r"oil_supply\.ratio: follows from the orifice of displaced oil"):
         optimum(one, question(one), simulate=parabola)
+    dry = load(PAPER.parents[1] / "slider_crank" / "air.yaml")
+    with pytest.raises(UsageError, match=r"oil_supply\.ratio: the scene has no oil supply \(vary another path"):
+        question(dry)
 
 
 def test_the_optimum_of_the_paper_is_that_of_a_fine_grid():
