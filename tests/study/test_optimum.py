@@ -13,7 +13,7 @@ from study_fakes import deadly, flat, gappy, parabola, raising, result_of, rough
 from screwsim.build import build_parts
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.scene import case, loads, with_values
+from screwsim.scene import case, load, loads, with_values
 from screwsim.simulate import simulate
 from screwsim.study.best.optimum import optimum, question
 from screwsim.study.best.search import SearchPoint, find_maximum
