@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import typer
@@ -203,7 +204,7 @@ def base_point(scene: AnyScene, file: str) -> AnyScene:
         return scene
     from screwsim.scene import Scene, scene_text
 
-    report_ignored_sweep(scene, f"{file}: its", f"screwsim sweep {file} simulates the sweep")
+    report_ignored_sweep(scene, f"{file}: its", f"screwsim sweep {quote(file)} simulates the sweep")
     if not isinstance(scene, Scene):
         return replace(scene, sweep={}, joints=())
     base = replace(scene, sweep={})
