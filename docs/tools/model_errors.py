@@ -1,6 +1,6 @@
 """Keep what `screwsim validate` states of the model's error, for scenes that name it (`uncertainty: {model: NAME}`).
 
-    screwsim validate bitzer cagi energyplus -o results/validation
+    screwsim validate bitzer cagi energyplus hsk varispeed -o results/validation
     python docs/tools/model_errors.py results/validation
 
 Every number of src/screwsim/scene/model_errors.json comes from there; a test holds it to validation/results.json.

@@ -2,6 +2,7 @@
 
 import csv
 import math
+import re
 from pathlib import Path
 
 import pytest
@@ -51,11 +52,10 @@ def test_two_phases_are_followed_but_of_a_mixture_described_as_if_pure(fluid, fo
 @pytest.mark.slow
 @pytest.mark.parametrize("flow", [100, 374, 1500, 3000])
 def test_refrigeration_machines_of_every_size_lie_about_the_mean_curves(flow):
-    """Means over machines of several sizes: ±4 points of λ, 8 below for the smallest, whose gaps weigh most; η_s ±6."""
+    """Means over machines of several sizes: ±4 points of λ, ±6 of η_s."""
     volumetric, isentropic = mean_curves()
     found = figures("refrigeration", displacement=f"{flow} m^3/h")
-    least = -0.08 if flow < 200 else -0.04
-    assert least <= found.volumetric_efficiency - volumetric <= 0.04
+    assert abs(found.volumetric_efficiency - volumetric) <= 0.04
     assert abs(found.isentropic_efficiency - isentropic) <= 0.06
     assert found.displacement_flow == pytest.approx(flow / 3600.0, rel=1e-4)
 
@@ -370,10 +370,10 @@ def test_boosters_of_light_cold_and_condensing_gases_close_with_oil_that_is_cool
 
 @pytest.mark.slow
 def test_an_expander_lies_within_five_points_of_the_best_that_was_measured():
-    """Of the power at its generator, 200 to 600 m³/h (validation/templates); the scene's first lines say 72 to 77 %."""
+    """Of the power at its generator, 200 to 600 m³/h (validation/templates); the scene's first lines say 73 to 77 %."""
     row = comparison.measured(ROOT / "validation" / "templates")["hermetic"]
     reached = [comparison.hermetic(row, f"{flow} m^3/h").electrical_isentropic_efficiency for flow in (200, 600)]
-    assert [round(100.0 * each) for each in reached] == [72, 77]
+    assert [round(100.0 * each) for each in reached] == [73, 77]
     assert all(abs(each - float(row["efficiency"])) < 0.05 for each in reached)
 
 
@@ -387,10 +387,20 @@ def test_the_first_lines_say_what_lambda_and_eta_rest_on():
         assert "rest on the laws and on that fit" in told
         assert "no measured or rated" in told
         assert "was available for comparison" in told
-    assert "72 to 77 %" in head("expander")
+    assert "73 to 77 %" in head("expander")
     assert "53 % (a twin screw of 2 kW)" in head("expander")
     for kind in ("refrigeration", "booster", "expander"):
         assert "screwsim validate templates" in head(kind)
+
+
+def test_small_ammonia_machines_have_more_oil_as_the_page_says():
+    page = (ROOT / "docs" / "how-to" / "new-machine.md").read_text(encoding="utf-8")
+    told = re.search(r"ammonia has ([\d.]+) kg/kg\s+at 100 m³/h, and ([\d.]+) at 600 m³/h", page)
+    asked = ({"fluid": "Ammonia", "condition": "0/70 degC", "displacement": f"{flow} m^3/h"} for flow in (100, 600))
+    assert told is not None
+    assert [scene_of("refrigeration", **each).oil_supply.ratio for each in asked] == [
+        float(each) for each in told.groups()
+    ]
 
 
 def test_a_diameter_states_the_size_in_place_of_a_displacement():
@@ -403,14 +413,15 @@ def test_a_diameter_states_the_size_in_place_of_a_displacement():
     assert by_flow.machine.rotor_length == pytest.approx(scene.machine.rotor_length, rel=1e-5)
 
 
-def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances():
+def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances_below_what_is_rated():
     gaps = {
         flow: scene_of("refrigeration", displacement=f"{flow} m^3/h").effects["tip_leakage"].parameters.gap
-        for flow in (47, 374, 2992)  # 80, 160 and 320 mm
+        for flow in (47, 158, 374, 2992)  # 80, 120, 160 and 320 mm
     }
     assert gaps[374] == pytest.approx(26e-6, rel=0.01)
     assert gaps[2992] == pytest.approx(52e-6, rel=0.01)
-    assert gaps[47] == pytest.approx(26e-6 * 2.019 / 2.603, rel=0.01)  # i of ISO 286 at 80 and 160 mm
+    assert gaps[158] == pytest.approx(19.5e-6, rel=0.01)
+    assert gaps[47] == pytest.approx(26e-6 * 98 / 160 * 2.019 / 2.173, rel=0.01)  # i of ISO 286 at 80 and 98 mm
 
 
 @pytest.mark.parametrize(

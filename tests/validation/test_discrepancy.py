@@ -82,6 +82,21 @@ def test_rated_compressors_of_which_nothing_is_fitted_say_by_how_much_a_written_
     assert inside["outside"] == [] and [text.partition(" ")[0] for text in fast["outside"]] == ["speed"]
 
 
+@pytest.mark.parametrize("machine", ["screw_r134a", "hsk"])
+def test_ratings_over_speed_bound_the_error_of_written_and_of_fitted_screws(machine):
+    """The interval of all points that nothing was fitted to contains the largest differences of the comparison."""
+    every = json.loads((ROOT / "validation" / "results.json").read_text(encoding="utf-8"))["sources"]["hsk"]["rows"]
+    head = "new, " if machine == "screw_r134a" else "fitted machine, predicted"
+    figures = {"λ": "volumetric_efficiency", "electrical η_s": "electrical_isentropic_efficiency"}
+    told = stored_model_errors()[machine]["figures"]
+    for word, figure in figures.items():
+        mark = f": {word}, largest difference"
+        off = [0.01 * row["ours"] for row in every if row["quantity"].startswith(head) and mark in row["quantity"]]
+        assert len(off) == (4 if machine == "screw_r134a" else 3)
+        assert told[figure]["held_out"]["low"] < min(off) and max(off) < told[figure]["held_out"]["high"]
+        assert ("u_D" in told[figure]["not_stated"]) is (word != "λ")
+
+
 def test_a_scene_is_told_the_error_of_the_validation_that_it_names_and_where_it_is_another():
     scene = screwsim.load(ROOT / "validation" / "bitzer" / "fitted" / "scene.yaml", ["uncertainty.model=bitzer"])
     figures = {"pressure_ratio": 4.0, "isentropic_efficiency": 0.7}

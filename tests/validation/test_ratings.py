@@ -6,6 +6,8 @@ from pathlib import Path
 import pytest
 from each_row import each_row
 
+import screwsim
+from screwsim.outputs import Figures, Result
 from screwsim.study.calibration import read_fit
 from screwsim.study.validation import read_table, sibling
 
@@ -67,9 +69,9 @@ def test_the_points_of_a_fit_are_those_of_the_ratings(rated, folder):
 def test_one_point_outside_fails_whatever_the_mean(rated, row, compare_of):
     compare = compare_of("hsk")
     one = rated.rating(row)
-    near, far = (
-        compare.Found(one, {figure: getattr(one, figure) + off for figure in FIGURES}) for off in (0.01, -0.09)
-    )
+    ours = ({figure: getattr(one, figure) + off for figure in FIGURES} for off in (0.01, -0.09))
+    scene = screwsim.load(ROOT / "configs" / "paper" / "point.yaml")
+    near, far = (compare.Found(one, scene, Result("ok", performance=Figures(each))) for each in ours)
     within = dict.fromkeys(FIGURES, 0.05)
     basis = dict.fromkeys(FIGURES, "")
     assert {row.verdict for row in compare.farthest("", [near] * 9, within, basis)} == {"holds"}

@@ -23,7 +23,7 @@ ABOUT = (
     "the power into losses of a quarter of the indicated power. So fitted, it has the electrical efficiency at all "
     "speeds. λ it has but where the discharge reed closes late: at the highest pressure ratio a quarter of the gas "
     "flows back at 40 Hz and an eighth at 87 Hz, none at 25 and 50 Hz, and of such a course the source shows nothing. "
-    "A reed of one mass without a damper is too sharp at speeds for which it was not sized."
+    "A reed of one mass, hardly damped (ζ = 0.1, assumed), is too sharp at speeds for which it was not sized."
 )
 MODEL, CONDITION = "4CE-6.F1", "-10/45"
 WRITTEN = ("effects.motor.cooling=ambient", "effects.suction_line=off")  # as `screwsim new` writes it
@@ -42,4 +42,6 @@ def compare(here: Path) -> Comparison:
         before = before or found
     predicted = shown.found(load(here / "fitted" / "scene.yaml"), ratings)
     rows += shown.fit_rows(here, predicted, points.FITTED, CONDITION)
-    return Comparison(TITLE, CITATION, ABOUT, rows, tuple(shown.panels(before, predicted, MODEL, CONDITION)))
+    deviations = [*shown.deviations("reciprocating_r134a", predicted, points.FITTED)]
+    panels = tuple(shown.panels(before, predicted, MODEL, CONDITION))
+    return Comparison(TITLE, CITATION, ABOUT, rows, panels, deviations)

@@ -1,7 +1,7 @@
 """Output on the uncertainty of a scene's figures due to its inputs, beside the numerical error; and that of sweeps."""
 
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import compress
 from pathlib import Path
 from typing import Any
@@ -44,7 +44,8 @@ def print_uncertainty(result: Result) -> None:
     found, model = result.uncertainty.get("figures", {}), result.uncertainty.get("model", {})
     by_model = model.get("figures", {})
     rows, causes = [], []
-    for name in (name for name in RANGE_FIGURES if name in found or name in by_model):
+    every = dict.fromkeys((*RANGE_FIGURES, *by_model))
+    for name in (name for name in every if name in found or name in by_model):
         spread = found.get(name, {"expanded": 0.0, "contributors": ()})
         if spread["expanded"] > NEGLIGIBLE * abs(result.performance[name]) or name in by_model:
             rows.append([shown_name(name), *_uncertainty_row(result, name, spread["expanded"], model)])
@@ -108,7 +109,7 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     if not figures:
         return [f"model: {model['of']} states no error for any figure of this scene"]
     points = max(figure["points"] for figure in figures.values())
-    missing = list(dict.fromkeys(word for figure in figures.values() for word in figure["not_stated"]))
+    missing = list(_not_stated({name: figure["not_stated"] for name, figure in figures.items()}))
     lines = [f"model: ours less theirs at the {points} points of {model['of']} not used in any fit, E ± 2 u_val"]
     lines[0] += f"; without {', '.join(missing)}, which the source does not state" if missing else ""
     lines[0] += f". {model['citation']}"
@@ -116,6 +117,13 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     inside = "this scene lies within the validated range"
     lines.append(f"warning: outside the validated range, so the error may differ: {'; '.join(out)}" if out else inside)
     return lines
+
+
+def _not_stated(missing: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Yield the parts that a source does not state, with the figure's name where it states them of others."""
+    for word in dict.fromkeys(word for words in missing.values() for word in words):
+        lacking = [shown_name(name) for name, words in missing.items() if word in words]
+        yield word if len(lacking) == len(missing) else f"{word} of {' and '.join(lacking)}"
 
 
 def print_check(scene: Varied, found: Uncertainty) -> None:

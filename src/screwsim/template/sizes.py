@@ -1,9 +1,10 @@
 """Scaling of new scenes' machines with size, from machines known to the program and stated sources.
 
 Rotors (b) of 160 mm were fitted to mean curves of compact screws (validation/bitzer): gaps of 26 um, 9.6 mm^2 past the
-shafts. Larger ones are geometrically similar: clearances grow with the diameter, as assumed in validation/cagi and
+shafts. Others are geometrically similar: clearances grow with the diameter, as assumed in validation/cagi and
 configs/air (discharge end faces of one maker grow faster: 0.05 mm at 160 mm, 0.095 at 250, MYCOM V series, manual).
-Smaller ones cannot be made equally finer: clearances follow the tolerance unit of ISO 286, i = 0.45 D^(1/3) + 0.001 D.
+Rated machines of 98 to 129 mm leak even less (validation/hsk). Below these, where none is known, clearances follow the
+tolerance unit of ISO 286, i = 0.45 D^(1/3) + 0.001 D: they cannot be made ever finer.
 """
 
 import math
@@ -16,6 +17,7 @@ from screwsim.machine.rotors.settings import FAMILIES
 SMALLEST, LARGEST = 0.05, 0.55  # [m] diameters of manufactured rotors
 KNOWN_DIAMETER = 0.160  # [m] diameter of the fitted machine
 GAP, SHAFTS = 26e-6, 9.6e-6  # [m], [m^2]
+SIMILAR_FROM = 0.098  # [m] diameter of the smallest rated machine that leaks no more than a similar one
 # [m] along the leak (validation/bitzer/machine.yaml)
 LAND_LENGTHS = {"tip": 2e-3, "interlobe": 5e-3, "end_face": 10e-3}
 MOTORS = (  # [kW] rated powers of IEC 60072-1
@@ -41,7 +43,8 @@ class Size(NamedTuple):
     @property
     def clearance(self) -> float:
         """Ratio of the clearances to those of the fitted machine."""
-        return max(self.scale, tolerance_unit(self.diameter) / tolerance_unit(KNOWN_DIAMETER))
+        similar = max(self.diameter, SIMILAR_FROM)
+        return similar / KNOWN_DIAMETER * tolerance_unit(self.diameter) / tolerance_unit(similar)
 
 
 def size_of(flow: float, speed: float, family: str = "b") -> Size:
