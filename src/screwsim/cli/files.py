@@ -1,6 +1,7 @@
 """The commands that show: rotors, results as figures and as a page, comparisons with sources, schemas."""
 
 from pathlib import Path
+from shlex import quote
 
 import typer
 
@@ -33,6 +34,8 @@ def rotors(
     else:
         say(text)
         options.print_files(files)
+    if folder is not None:
+        options.tell_left(folder, files, "curves/*_face_*.csv", "table/*_leakage.csv", "table/blow_hole.csv")
 
 
 def plot(
@@ -56,7 +59,7 @@ def plot(
 
     read, results = read_indicated(measured), open_results(results_file)
     if results.stages:
-        alone = f"screwsim scene {results_file} --stage {next(iter(results.stages))} gives its scene, to be run"
+        alone = f"screwsim scene {quote(results_file)} --stage {next(iter(results.stages))} gives its scene, to be run"
         raise UsageError(f"{results_file}: holds two stages, and --measured needs the results of one machine ({alone})")
     trace = chosen_trace(results)
     if trace is None:

@@ -230,7 +230,14 @@ def calibrate(
     options.check_folder(folder)
     from screwsim.printing import print_json
     from screwsim.printing.calibration import calibration_document, check_folder, print_calibration, write_calibration
-    from screwsim.printing.posterior import posterior_document, print_posterior, protect_other_samples, write_posterior
+    from screwsim.printing.posterior import (
+        PAIRS,
+        PREDICTED,
+        posterior_document,
+        print_posterior,
+        protect_other_samples,
+        write_posterior,
+    )
     from screwsim.printing.tables import print_text
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
@@ -260,8 +267,9 @@ def calibrate(
         if wide is not None:
             print_posterior(found, wide)
     if folder is not None:
-        more = [] if wide is None else write_posterior(found, wide, folder)
-        options.print_files([*write_calibration(found, folder), *more], as_json)
+        files = [*write_calibration(found, folder), *([] if wide is None else write_posterior(found, wide, folder))]
+        options.print_files(files, as_json)
+        options.tell_left(folder, files, f"{PAIRS}.*", PREDICTED)
     if found.status == "interrupted":
         say(found.message, err=True)
         return options.INTERRUPTED

@@ -10,6 +10,7 @@ from screwsim.export.map_table import MapTable
 from screwsim.outputs import Result
 from screwsim.printing.tables import print_scene_title, print_table, print_text, print_wrapped
 from screwsim.screen import say
+from screwsim.study.maps.map_points import place_in_words
 
 
 def map_document(table: MapTable, files: Sequence[str]) -> dict[str, Any]:
@@ -56,10 +57,7 @@ Errors = Sequence[tuple[Mapping[str, float], Sequence[float]]]  # values of the 
 def print_polynomials(document: Mapping[str, Any], figures: Sequence[str], rows: Errors, files: Sequence[str]) -> None:
     """Print the largest error of each polynomial, one row per map, and the files."""
     print_text(f"{document['title']} ({document['fluid']})")
-    body = [
-        [", ".join(f"{path} = {value:.6g}" for path, value in at.items()) or "map", *(_percent(e) for e in errors)]
-        for at, errors in rows
-    ]
+    body = [[place_in_words(at) or "map", *map(_percent, errors)] for at, errors in rows]
     print_table(["largest error", *(name.replace("_", " ") for name in figures)], body, 1)
     say("\n".join(files))
 

@@ -93,7 +93,7 @@ def tolerance_document(scene: Scene, found: ToleranceStudy) -> dict[str, Any]:
         "title": scene.title,
         **picked(found, "grades", "widths"),
         "law_of_motion": [row._asdict() for row in found.table],
-        **picked(found, "count", "seed", "hits", "failed", "message"),
+        **picked(found, "count", "seed", "hits", "failed", "message", "chance_share"),
         "figures": {spread.figure: spread._asdict() for spread in found.spreads},
     }
 
@@ -120,6 +120,8 @@ def print_tolerance(scene: Scene, found: ToleranceStudy) -> None:
     shares = (f"{name.replace('_', ' ')} %" for name in found.grades)
     print_table(("figure", "nominal", "", "sd %", "lowest", "highest", *shares), rows, left=1)
     print_text("sd: standard deviation over the nominal value; last columns: share of the variance (r²)")
+    chance = f"a share below {100.0 * found.chance_share:.0f} % may be chance"
+    print_text(f"of {len(found.shifts)} machines {chance}: one length in twenty without influence has more")
     if found.hits:
         print_text(f"{found.hits} of {found.count} machines: the piston hits the head (not simulated)")
     if found.failed:

@@ -15,7 +15,7 @@ from screwsim.results.warning_kinds import warning_kinds
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, protect_other_columns, write_columns
-from screwsim.study.maps.map_points import MapPoint
+from screwsim.study.maps.map_points import MapPoint, place_in_words
 from screwsim.study.maps.performance_map import (
     COEFFICIENT_NAMES,
     ELECTRICAL,
@@ -55,7 +55,7 @@ def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
     for each in maps:
         say()
         if each.values:
-            print_text(", ".join(_axis_value_text(results, path, value) for path, value in each.values.items()))
+            print_text(place_in_words(each.values))
         _print_map(results, each)
     _print_warnings(results)
 
@@ -65,11 +65,6 @@ def _print_warnings(results: Results) -> None:
     for kind in warning_kinds(results):
         cases = f"{kind.cases} {'point' if kind.cases == 1 else 'points'}"
         print_text(f"warning in {cases} of the sweep: {kind.text}")
-
-
-def _axis_value_text(results: Results, path: str, value: Any) -> str:
-    number = value if isinstance(value, str) else f"{value:.6g}"
-    return f"{path} = {number} {_units(results, path)}".strip()
 
 
 def _units(results: Results, path: str) -> str:
@@ -109,9 +104,9 @@ def print_points(results: Results, points: Sequence[MapPoint]) -> None:
     for point in points:
         temperatures = (point.evaporating_temperature, point.condensing_temperature)
         at = " / ".join(f"{round(T - ZERO_CELSIUS, 6):g}" for T in temperatures)
-        others = "".join(f", {_axis_value_text(results, path, value)}" for path, value in point.values.items())
+        others = place_in_words(point.values)
         say()
-        print_text(f"evaporating / condensing temperature {at} °C{others}")
+        print_text(f"evaporating / condensing temperature {at} °C{', ' if others else ''}{others}")
         rows = [[shown_name(name), *engineering(results.figure(name), value)] for name, value in point.figures.items()]
         say("\n".join(f"{name:<28}{number:>12}  {unit}" for name, number, unit in rows))
     _print_warnings(results)

@@ -82,6 +82,9 @@ def question(
     if path == OIL_RATIO and not isinstance(scene, Scene):
         example = "--path 'second.operation.speed=1000 rpm..2000 rpm'"
         raise UsageError(f"--path {path}: is in both stages (write that of one, e.g. {example})")
+    if path == OIL_RATIO and isinstance(scene, Scene) and not scene.oil_supply:
+        other = "--path 'operation.speed=1000 rpm..3000 rpm'"
+        raise UsageError(f"{path}: the scene has no oil supply (vary another path, e.g. {other})")
     if path == OIL_RATIO and isinstance(scene, Scene) and scene.oil_supply and not scene.oil_supply.pumped:
         other = "--path 'oil_supply.orifice_diameter=2 mm..10 mm'"
         raise UsageError(f"{path}: follows from the orifice of displaced oil (vary another path, e.g. {other})")
