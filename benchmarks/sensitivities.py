@@ -29,7 +29,7 @@ from screwsim.simulate import simulate
 from screwsim.study.uncertainty.slopes import numeric_paths
 
 ROOT = Path(__file__).resolve().parent.parent
-SCENES = ("configs/paper/point.yaml", "configs/r134a/point.yaml")
+SCENES = ("configs/paper/point.yaml", "configs/r134a/point.yaml", "configs/slider_crank/air.yaml")
 NUMBERS = 20
 KINDS = {"exact": FINE, "quick": QUICK}
 SHOWN = ("cycle", "composed", "moved", "read")

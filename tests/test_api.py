@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import screwsim
+from screwsim.derivatives.solving import SceneDerivatives
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
@@ -340,6 +341,8 @@ def test_derivatives_by_differences_are_by_every_number_too(monkeypatch):
         return [Result("ok", performance=Figures(shaft_power=3.0 * sum(point.values()))) for point in points]
 
     monkeypatch.setattr("screwsim.study.uncertainty.slopes.results_at", solved)
+    none_exact = SceneDerivatives({}, {}, "asked for")
+    monkeypatch.setattr("screwsim.study.uncertainty.slopes.scene_derivatives", lambda *_: none_exact)
     scene = screwsim.load(Path(__file__).parents[1] / "configs" / "slider_crank" / "air.yaml")
     found = screwsim.sensitivities(scene, result=made(scene))
     assert set(found.method.values()) == {"differences"} and "effects.ring_leakage.gap" in found.values

@@ -15,7 +15,7 @@ from screwsim.derivatives import chamber_newton
 from screwsim.derivatives.collocation import QUICK
 from screwsim.derivatives.lane_rates import rates
 from screwsim.derivatives.phases import border_temperature
-from screwsim.derivatives.pitch import RateNumbers
+from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.model.slots import S_RHO, S_T
 from screwsim.study.uncertainty.point import sensitivities
 

@@ -24,7 +24,8 @@ def cycle(request):
 
 def test_the_pressure_where_it_turns_is_that_of_the_history_and_asks_for_none(cycle):
     pitch, asked = cycle.pitch, []
-    turning = PeakPlace(STEP, SHARE, in_step(pitch, cycle.start, cycle.nodes.__getitem__, STEP))
+    states = in_step(pitch, cycle.start, cycle.nodes.__getitem__, pitch.after(cycle.nodes), STEP)
+    turning = PeakPlace(STEP, SHARE, states)
     life = ShiftedLife.of(pitch, lambda: asked.append("a history"), turning)
     times = pitch.machinery.trajectory.times
     angle = (1.0 - SHARE) * times[STEP] + SHARE * times[STEP + 1]
@@ -51,10 +52,10 @@ def test_what_is_read_of_a_history_has_it_installed_once(cycle):
 def test_a_life_of_many_columns_is_that_of_each(cycle):
     pitch, draw = cycle.pitch, np.random.default_rng(1)
     start, nodes = draw.normal(size=(pitch.N, 3)), draw.normal(size=(*cycle.nodes.shape, 3))
-    found = pitch.life(start, nodes)
+    found = pitch.life(start, nodes, pitch.after(nodes))
     assert found.shape == (3, pitch.count * (pitch.N // pitch.n), 4, pitch.n)
     for j in range(3):
-        assert_near(found[j], pitch.life(start[:, j], nodes[..., j]), rel=ROUNDING)
+        assert_near(found[j], pitch.life(start[:, j], nodes[..., j], pitch.after(nodes)), rel=ROUNDING)
     at = draw.integers(0, pitch.count)
     end = found[:, at, 1]  # of the first chamber's slices
     assert_near(end, nodes[at, -1, : pitch.n].T, rel=ROUNDING)

@@ -38,7 +38,6 @@ from tight import NotTight, Tight  # noqa: E402
 
 from screwsim.cycle.guess import lease_for  # noqa: E402
 from screwsim.cycle.problem import Series, problem_of  # noqa: E402
-from screwsim.derivatives import solving  # noqa: E402
 from screwsim.derivatives.collocation import FINE, Fineness, NotClosed, collocated  # noqa: E402
 from screwsim.derivatives.solving import derivatives, figures_of, with_settled_surroundings  # noqa: E402
 from screwsim.inputs.faults import ImpossibleValue, SceneError, UsageError  # noqa: E402
@@ -59,6 +58,7 @@ NO_SCENES = (".fit.yaml", ".stages.yaml")
 CLOSINGS = "histories", "coupled"
 OFF = 0.1  # of a number, in a random scene
 STEP = 3e-4  # of a number, step of differences; for an angle a tenth of it: a percent of an angle is several degrees
+STEP_OF_ONE = 1e-3  # the same of a machine of one chamber: its cycles are less alike, as last bounces come and go
 MANY = np.array((1.0, 2.0, 4.0))
 GOOD = 1e-5
 KINK = 30.0  # times the uncertainty of the reference by which both sides differ at a kink ...
@@ -136,8 +136,6 @@ class Exact:
         """Solve the scene; raise UsageError with the reason where `sensitivities` would use differences of cycles."""
         self.scene, self.series, self.values = scene, Series(), numeric_paths(scene)[0]
         self.problem, search = steady_state(problem_of(scene, self.series), self.series)
-        if self.problem.composition.chambers == 1:
-            raise UsageError(solving.ONE_CHAMBER)
         self.machinery = lease_for(self.problem)
         accurate = solve_with_surroundings(self.problem, self.machinery, None, search)
         if accurate.cycle.status != "ok":
@@ -153,9 +151,11 @@ class Exact:
         return {path: {name: each * self.values[path] for name, each in of.items()} for path, of in found.items()}
 
 
-def rows(scene: Scene, paths: Sequence[str], of_numbers: float = STEP) -> Iterator[Row]:
-    """Yield a row for each figure and path of a scene, with differences over a step of numbers."""
+def rows(scene: Scene, paths: Sequence[str], of_numbers: float | None = None) -> Iterator[Row]:
+    """Yield a row for each figure and path of a scene, with differences over a step of numbers (None: as usual)."""
     exact = Exact(scene)
+    usual = STEP_OF_ONE if exact.problem.composition.chambers == 1 else STEP
+    of_numbers = usual if of_numbers is None else of_numbers
     slopes = exact.slopes(paths)
     other = lease_for(exact.problem)
     tight = Tight(exact.problem, other, exact.widths, RTOL, TOLERANCE)
@@ -275,7 +275,8 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--first", type=int, default=0, help="the first scene, of a run in parts")
     parser.add_argument("--accuracy", type=float, help="of all scenes (default: their own)")
     parser.add_argument("--of", metavar="PATH", help="this number of each scene, in place of some by chance")
-    parser.add_argument("--step", type=float, default=STEP, help=f"of a number, in differences (default {STEP:g})")
+    usual = f"of a number, in differences (default {STEP:g}; of one chamber {STEP_OF_ONE:g})"
+    parser.add_argument("--step", type=float, help=usual)
     parser.add_argument("--again", nargs="+", metavar="PAIRS", default=[], help="beside the references of these files")
     parser.add_argument("--quick", action="store_true", help="try no finer slices: the reason of other misses is open")
     parser.add_argument("-o", metavar="PAIRS", help="file of all pairs")

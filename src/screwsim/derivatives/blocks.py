@@ -10,6 +10,7 @@ from screwsim.derivatives.stages import LITTLE, compiled
 from screwsim.numerics.reused_arrays import empty
 
 Array = np.ndarray
+ALL = slice(None)
 
 
 class Blocks:
@@ -41,15 +42,16 @@ class Blocks:
             parts[:, ~own] = theirs.reshape(chambers, -1, parts.shape[-1])[:, at]
         return found
 
-    def follow(self, start: Array, right: Array) -> Array:
-        """Return changes at all nodes (slices, NODES, N, k) from those at the start (N, k).
+    def follow(self, start: Array, right: Array, part: slice = ALL) -> Array:
+        """Return changes at the nodes of a part of the slices (slices, NODES, N, k) from those at its start (N, k).
 
         `right`, of the nodes' shape, are the right sides of the stage equations; it is overwritten.
         """
         count, _, N, k = right.shape
         if k:
             rows, now = right.reshape(count, NODES * N, k), np.array(start, order="C")
-            compiled().stages__follow(self.factors, self.pivots, self.states, self.reach, now, rows)
+            factors = self.factors[part], self.pivots[part]
+            compiled().stages__follow(*factors, self.states, self.reach, now, rows)
         return right
 
     def follow_one_by_one(self, right: Array, inject: Array) -> Array:

@@ -154,8 +154,7 @@ def _blocks(pitch: CollocatedPitch, Y: Array, slices: Array) -> Blocks:
 
 def residual(pitch: CollocatedPitch, Y: Array, start: Array, f: Array) -> Array:
     """Return the residual of the stage equations (slices, NODES, N)."""
-    before = np.concatenate([start[None], Y[:-1, -1]])
-    return Y - before[:, None] - pitch.slices.widths[:, None, None] * (INTEGRALS @ f)
+    return Y - pitch.begins(start, Y)[:, None] - pitch.slices.widths[:, None, None] * (INTEGRALS @ f)
 
 
 def size_of(open_: Array, Y: Array) -> float:

@@ -9,13 +9,17 @@ import numpy as np
 
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives import chamber_newton, slices
+from screwsim.derivatives.argument_changes import ArgumentChange
 from screwsim.derivatives.chamber_newton import SMALL, ChamberFactors, approach, damped, limited_step, residual_of
 from screwsim.derivatives.crossings import crossings
-from screwsim.derivatives.linear import ArgumentChange, DirectEffects, LinearisedPitch, Response
+from screwsim.derivatives.events import Course, course_of
+from screwsim.derivatives.linear import DirectEffects, LinearisedPitch, Response
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.phases import borders
-from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers, Slopes
+from screwsim.derivatives.pitch import CollocatedPitch, Slopes
+from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.derivatives.shifted_life import ShiftedLife
+from screwsim.derivatives.turn import CollocatedTurn
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH
 from screwsim.model.trajectory import Trajectory
@@ -25,6 +29,10 @@ STEPS = (4.0, 2.0, 1.0)  # integrator's steps per slice at the start; fewer wher
 ERROR = 0.03  # of the wanted accuracy: error of a slice
 READ_INSIDE = 0.1  # factor on that where flows to pulsating lines are read inside slices, less surely estimated
 WIDER_INSIDE = 0.8  # ... and on the growth of slices around the turning of a flow
+OF_TURN = 0.03  # factor on the error of a slice where there is a single chamber, whose slices cost little
+FINE_TURN = 1e-6  # tolerance of a step in the turns after its closed one that tell the events of its valves ...
+FINE_TURNS = 2  # ... which are so many, as a closed cycle is open by its tolerance
+MOST_EVENTS = 300  # of a turn: each is an unknown
 ROUNDS = 9  # of refinement
 MOST_ITERATIONS = 20  # Newton iterations ...
 STALLED = 6  # ... of which this many may pass without progress
@@ -96,7 +104,7 @@ def collocated(problem: Problem, machinery: Machinery, life: Trajectory, finenes
     """Return the collocated cycle of a closed life; raise NotClosed where none is found."""
     c = machinery.composition
     machinery.composition = replace(c, TAB=c.TAB.copy())  # a writable copy
-    why = NotClosed()
+    life, why = fine_turn(machinery, life) if machinery.alone else life, NotClosed()
     for steps in STEPS:
         try:
             return _collocated(problem, machinery, life, steps, fineness)
@@ -105,28 +113,49 @@ def collocated(problem: Problem, machinery: Machinery, life: Trajectory, finenes
     raise why
 
 
+def fine_turn(machinery: Machinery, life: Trajectory) -> Trajectory:
+    """Return a turn of a single chamber after a closed one, integrated finely: its events are those of the cycle."""
+    machinery.put(life)
+    y = life.dense[0, 0, : machinery.n].copy()
+    for _ in range(FINE_TURNS):
+        status, *_ = machinery.turn(y, FINE_TURN, float(life.times[1] - life.times[0]))
+        if status:
+            raise NotClosed("a finely integrated turn fails")
+        machinery.swap()
+    return machinery.trajectory.copy()
+
+
 def _collocated(
     problem: Problem, machinery: Machinery, life: Trajectory, steps: float, fineness: Fineness
 ) -> CollocatedCycle:
     """Collocate with slices of so many steps first; refine and place them at turning flows until both settle."""
     machinery.put(life)
     inside = bool(problem.parts.pulsations)
-    seams = slices.fixed_edges(machinery, problem.parts)
+    seams, course = slices.fixed_edges(machinery, problem.parts), course_of(machinery.trajectory)
+    if len(course.events) > MOST_EVENTS:
+        raise NotClosed(f"valves meet seat and stop, or leave them, {len(course.events)} times in a turn")
+    if not course.returns:
+        raise NotClosed("a valve rests at one end of the turn and moves at the other")
+    seams = np.sort(np.concatenate([seams, course.angles]))
+    if len(course.events) and np.diff(seams).min() <= slices.LEAST:
+        raise NotClosed("a valve meets its seat or stop, or leaves it, at the angle of another event")
     tolerance = fineness.error * ERROR * problem.scene.numerics.accuracy
-    tolerance *= READ_INSIDE if inside else 1.0
+    tolerance *= (READ_INSIDE if inside else 1.0) * (OF_TURN if machinery.alone else 1.0)
     growth = fineness.ring, fineness.wider * (WIDER_INSIDE if inside else 1.0)
     plain = slices.edges_of(machinery, seams, steps, fineness.longest * slices.LONGEST)
-    pitch = CollocatedPitch(problem, machinery, slices.between(plain))
+    pitch = pitch_of(problem, machinery, slices.between(plain), seams, course)
     Y, turns, linear, good, closing, own = np.empty(0), crossings(pitch), None, False, False, ChamberFactors()
     for left in range(ROUNDS, 0, -1):
         highest = peak(machinery.trajectory, problem.parts.geometry)[1] % float(machinery.composition.P[P_PITCH])
         edges = slices.with_rings(plain, seams, turns, growth, highest)
-        pitch = CollocatedPitch(problem, machinery, slices.between(edges))
-        kept = linear if linear is not None and linear.pitch.count == pitch.count else None
+        pitch = pitch_of(problem, machinery, slices.between(edges), seams, course)
+        kept = linear if linear is not None and linear.pitch.count == pitch.count and not pitch.alone else None
         within = FIRST_ROUND_FACTOR if left == ROUNDS else STATES_SHARE
-        placed = None if closing else approach(pitch, within * tolerance, own)
+        placed = None if closing or pitch.alone else approach(pitch, within * tolerance, own)
         if placed is None:
-            Y, linear = _closed(pitch, fineness.closed * CLOSED if closing else NEARLY_CLOSED, kept, own)
+            exact = closing or pitch.alone
+            Y, linear = _closed(pitch, fineness.closed * CLOSED if exact else NEARLY_CLOSED, kept, own)
+            plain, seams, course = pitch.with_events_moved(plain, seams, course)
         start, Y = placed or (pitch.begin(Y), Y)
         before, turns = turns, _with_vanished(crossings(pitch), turns)
         if closing and (left == 1 or (good and _slices_still_fit(turns, before, fineness.near * PLACED))):
@@ -137,8 +166,19 @@ def _collocated(
             np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
             plain = slices.refined(plain, of_plain, tolerance)
         closing = good or left <= 3
+    if missed := pitch.missed(Y):
+        raise NotClosed(missed)
     slopes = pitch.slopes(Y)
     return CollocatedCycle(pitch, pitch.begin(Y), Y, slopes, pitch.sums(slopes.g), pitch.numbers, pitch.unknowns_in)
+
+
+def pitch_of(
+    problem: Problem, machinery: Machinery, of: slices.Slices, seams: Array, course: Course
+) -> CollocatedPitch:
+    """Return the pitch of all chambers on slices, or the turn of a single one with its events."""
+    if machinery.alone:
+        return CollocatedTurn(problem, machinery, of, seams, course)
+    return CollocatedPitch(problem, machinery, of)
 
 
 def _with_vanished(turns: list[slices.Crossing], before: list[slices.Crossing]) -> list[slices.Crossing]:
@@ -171,7 +211,7 @@ def _slices_still_fit(turns: list[slices.Crossing], before: list[slices.Crossing
 
 def errors_of(pitch: CollocatedPitch, start: Array, Y: Array) -> Array:
     """Return the relative error of each slice: Radau's embedded estimate, of order 3, separately for each chamber."""
-    before, widths = np.concatenate([start[None], Y[:-1, -1]]), pitch.slices.widths
+    before, widths = pitch.begins(start, Y), pitch.slices.widths
     f, own = pitch.slopes_at(pitch.slices.edges[:-1], before)
     defect = f + slices.EMBEDDED @ (Y - before[:, None]) / widths[:, None]
     own = own.swapaxes(0, 1)
@@ -188,12 +228,14 @@ def _closed(
     It starts from the linearisation of the slices before, if their number is the same.
     """
     Y, entries, size, before = pitch.read(), pitch.problem.entries, np.inf, np.inf
-    found = chamber_newton.closed(pitch, Y, nearly, own)
+    found = None if pitch.alone else chamber_newton.closed(pitch, Y, nearly, own)
     if found is not None:
         return found, linear
     last, least, stalled = np.zeros_like(Y), np.inf, 0
     for left in range(MOST_ITERATIONS, 0, -1):
         off, residual, size, read = residual_of(pitch, Y)
+        conditions = pitch.open_events(Y)
+        size = max(size, float(np.abs(conditions).max(initial=0.0)))
         stalled = 0 if size < least else stalled + 1
         least = min(size, least)
         ends = left == 1 or stalled == STALLED
@@ -207,13 +249,17 @@ def _closed(
         if linear is None or size > KEEP_SLOPES_BELOW * before:
             changes = [_moved(pitch, at, unknowns_in, j) for j in range(len(unknowns_in))]
             linear = LinearisedPitch(pitch, Y, pitch.slopes(Y), changes)
-        response, of_unknowns = linear.respond(stages), linear.first
+        response, of_unknowns = linear.respond(stages, conditions), linear.first
         before = size
         cycle = CollocatedCycle(pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in)
         back = unknowns_response(cycle, of_unknowns, 0)
         change = solve_unknowns(back, off + unknowns_response(cycle, response, 1)[:, 0], _stated_unknowns(back))
-        last = damped(response.of(0).nodes + of_unknowns.weighted(change).nodes, last)
+        direct, through = response.of(0), of_unknowns.weighted(change)
+        events = direct.events + through.events
+        share = pitch.share_of_move(events)
+        last = damped(share * (direct.nodes + through.nodes), last)
         Y = limited_step(pitch, Y, last)
+        pitch.move_events(share * events)
         pitch.meet(entries.coordinates(unknowns_in) + change, unknowns_in)
     raise NotClosed(f"the collocated cycle leaves a residual of {size:.1g} open")
 
@@ -268,7 +314,7 @@ def unknowns_response(cycle: CollocatedCycle, response: Response, first: int) ->
         nonlocal read
         read = True
         one = response.of(j)
-        pitch.install(cycle.start + by * one.start, cycle.nodes + by * one.nodes)
+        pitch.install_shifted(cycle.start, cycle.nodes, by, one)
 
     for j in range(found.shape[1]):
         images = []

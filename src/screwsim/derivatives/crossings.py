@@ -13,7 +13,7 @@ from screwsim.derivatives.phases import border_crossings
 from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.slices import CORNER_LAYER, SHARES, Crossing, share_before
 from screwsim.effects.base import FlowPath
-from screwsim.model.slots import P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PORT_STATE, PRESSURE
+from screwsim.model.slots import FREE, P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PORT_STATE, PRESSURE
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.roots import bracketed, brentq
 
@@ -54,6 +54,8 @@ def crossings(pitch: CollocatedPitch) -> list[Crossing]:
     slices = pitch.slices
     angles = (slices.edges[:-1, None] + slices.widths[:, None] * SAMPLED_SHARES).ravel()
     wide = np.repeat(slices.widths, len(SAMPLED_SHARES))
+    if pitch.alone:  # at the dead centre, where a turn begins, the gas that is left begins to expand
+        angles, wide = np.append(slices.edges[0], angles), np.append(wide[0], wide)
     c, life = pitch.machinery.composition, pitch.machinery.trajectory
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
     states = life.states_at((starts[:, None] + angles).ravel()).reshape(c.chambers, len(angles), -1)
@@ -109,12 +111,24 @@ def _reversals(pitch: CollocatedPitch, angles: Array, wide: Array, p: Array) -> 
         areas = np.zeros(ends.size)
         life.module.trace__areas_along(ends, index, c.P, c.TAB, areas)
         is_open = (areas.reshape(-1, 2) > 0.0).all(axis=1)
+        if path.opening is not None and not path.one_way:
+            is_open &= _opened(pitch, index, ends).reshape(-1, 2).all(axis=1)
         for j, k in zip(*(each[is_open].tolist() for each in passes), strict=True):
             beyond = PathSide(None, number) if of_port else PathSide(float(starts[j + path.offset]))
             width = float(c.P[P_PORT_WIDTH + number]) if of_port else float(c.P[P_GAP_WIDTH] * p[j, k])
             yield FlowReversal(
                 PathSide(float(starts[j])), beyond, (float(angles[k]), float(angles[k + 1])), width, float(wide[k])
             )
+
+
+def _opened(pitch: CollocatedPitch, index: int, angles: Array) -> Array:
+    """Return whether the valve of a port is open at angles [rad] of a single chamber's turn."""
+    c, life = pitch.machinery.composition, pitch.machinery.trajectory
+    order = np.argsort(angles, kind="stable")
+    found = np.zeros(len(angles), bool)
+    for at, y in zip(order.tolist(), life.states_at(angles[order]), strict=True):
+        found[at] = life.module.path_opening(index, 0.0, 1.0, FREE, y, 0, c.P) > 0.0
+    return found
 
 
 def _sign_changes(drops: Array) -> tuple[Any, ...]:

@@ -12,9 +12,10 @@ import numpy as np
 
 from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
 from screwsim.cycle.problem import Problem
+from screwsim.derivatives.argument_changes import ArgumentChange
 from screwsim.derivatives.collocation import CollocatedCycle, LinearisedCycle, linearised
-from screwsim.derivatives.linear import ArgumentChange, DirectEffects
-from screwsim.derivatives.pitch import RateNumbers
+from screwsim.derivatives.linear import DirectEffects
+from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.inputs.faults import UsageError
 from screwsim.model import speed
 from screwsim.model.run import Machinery
@@ -64,7 +65,7 @@ class Directions:
         base = cycle.pitch.problem.composition
         self.breakpoints = machinery.pitch_breakpoints()
         self._back: Array | None = None
-        self.life = cycle.pitch.life(cycle.start, cycle.nodes)
+        self.life = cycle.pitch.life(cycle.start, cycle.nodes, cycle.pitch.after(cycle.nodes))
         c = machinery.composition
         width = base.P[base.widths]
         self.tightened = np.where(width != 0.0, cycle.at.P[c.widths] / np.where(width != 0.0, width, 1.0), 1.0)
@@ -119,8 +120,8 @@ class Directions:
 
     @once
     def shifted(self) -> Array:
-        """The states at the pitch's start, before the injection."""
-        return self.cycle.pitch.machinery.shift(np.ascontiguousarray(self.cycle.nodes[-1, -1]))
+        """The states before the injection."""
+        return self.cycle.pitch.at_injection(self.cycle.nodes)
 
     @once
     def own(self) -> tuple[RateNumbers, Array]:

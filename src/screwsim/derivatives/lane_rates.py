@@ -11,7 +11,8 @@ import numpy as np
 
 from screwsim.codegen.kinds import FLOAT, INTEGER, LANES, Kind
 from screwsim.codegen.program import CannotCompile
-from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers
+from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.derivatives.slices import NODES
 from screwsim.model.run import Machinery
 from screwsim.model.side_by_side import address, aligned

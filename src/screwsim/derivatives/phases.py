@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.derivatives.pitch import CollocatedPitch, RateNumbers
+from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.derivatives.slices import CORNER_LAYER, SHARE_BEFORE, Crossing
 from screwsim.model.slots import P_PITCH, S_RHO, S_T
 from screwsim.numerics.roots import bisected
@@ -110,7 +111,7 @@ def _border(pitch: CollocatedPitch, Y: Array, k: int, chamber: int, phases: Arra
         return None
     by_states = np.zeros(pitch.N)
     by_states[own] = -passes / steepness
-    return BorderCrossing(pitch, k, T, rho, steepness, by_states, f - f_behind, (g - g_behind)[:-1])
+    return BorderCrossing(pitch, k, T, rho, steepness, by_states, f - f_behind, (g - g_behind)[: pitch.machinery.nq])
 
 
 def border_temperature(pitch: CollocatedPitch, T: float, rho: float, numbers: RateNumbers) -> float:

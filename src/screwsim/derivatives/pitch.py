@@ -5,16 +5,19 @@ Y = y₀ + h Σ a f(Y), after a pitch each chamber moves to the next place, oil 
 derivatives are then those of a system of equations (implicit-function theorem), whatever steps found the cycle.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
+from screwsim.cycle.linear_pitch import shifted
 from screwsim.cycle.problem import Problem
+from screwsim.derivatives.events import Course
+from screwsim.derivatives.rate_numbers import LinearEvent, RateNumbers
 from screwsim.derivatives.slices import INTEGRALS, NODES, Slices
 from screwsim.derivatives.sweeps import compiled as sweeps
 from screwsim.model import compiled
@@ -26,23 +29,6 @@ from screwsim.numerics.reused_arrays import empty
 
 Array = np.ndarray
 INSIDE = 1e-9  # share of a pitch before its end that still belongs to the same chamber
-
-
-class RateNumbers(NamedTuple):
-    """Arguments of rates besides states and angle, or a change of these: parameters, tables and run-time cells."""
-
-    P: Array
-    TAB: Array
-    R: Array
-
-    def plus(self, by: float, change: Self) -> Self:
-        """Return these plus a multiple of a change."""
-        return self._make(one + by * more for one, more in zip(self, change, strict=True))
-
-    @property
-    def nothing(self) -> bool:
-        """Whether this change is zero."""
-        return not any(each.any() for each in self)
 
 
 class Slopes(NamedTuple):
@@ -71,7 +57,7 @@ class CollocatedPitch:
     def __post_init__(self) -> None:
         c = self.machinery.composition
         self.n, self.N, self.count = self.machinery.n, c.chambers * self.machinery.n, len(self.slices.middles)
-        self.q = self.machinery.nq + 1  # the last one is the gas across the injection angle
+        self.q = self.machinery.nq + (c.chambers > 1)  # the last one of several is the gas across the injection angle
         self.phases = np.full((self.count, c.chambers), FREE)
         if self.has_phases:
             starts = float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None]
@@ -116,6 +102,10 @@ class CollocatedPitch:
         self.machinery.inject(y)
         return y
 
+    def at_injection(self, Y: Array) -> Array:
+        """Return the states before the injection, from those at the nodes."""
+        return self.machinery.shift(np.ascontiguousarray(Y[-1, -1]))
+
     def injects(self, y: Array, numbers: RateNumbers) -> tuple[Array, Array]:
         """Return states y after the injection with given numbers (which it overwrites), and the cells it sets."""
         states, (P, TAB, R) = y.copy(), numbers
@@ -148,6 +138,65 @@ class CollocatedPitch:
         parts = self.problem.parts
         return [oil_places(parts)["P_TRAPPED"]] if parts.pumped else []
 
+    def missed(self, Y: Array) -> str:
+        """Return why the events are not those of the states; empty if they are."""
+        return ""
+
+    @property
+    def alone(self) -> bool:
+        """Whether there is a single chamber."""
+        return self.machinery.alone
+
+    def before_injection(self, followed: Array) -> Array:
+        """Return the changes of the states on which the cells depend, from those at all nodes (slices, NODES, N, k)."""
+        return shifted(followed[-1, -1], self.machinery.composition.chambers)
+
+    # ---- events ------------------------------------------------------------------------------------------------
+
+    @property
+    def passed(self) -> Sequence[int]:
+        """The slices that end with an event."""
+        return ()
+
+    def after(self, Y: Array) -> Array:
+        """Return the states after each event (events, N), from those at the nodes."""
+        return np.empty((0, self.N))
+
+    def begins(self, start: Array, Y: Array) -> Array:
+        """Return the states at the start of each slice (slices, N)."""
+        found = np.concatenate([start[None], Y[:-1, -1]])
+        found[[k + 1 for k in self.passed]] = self.after(Y)
+        return found
+
+    @property
+    def begin_at_rest(self) -> Sequence[int]:
+        """The states that start with a value of their own, whatever they end with."""
+        return ()
+
+    def open_events(self, Y: Array) -> Array:
+        """Return what is open of the condition of each event."""
+        return np.empty(0)
+
+    def linear_events(self, Y: Array) -> Sequence[LinearEvent]:
+        """Return the linearised events, in order."""
+        return ()
+
+    @property
+    def events_move(self) -> Array:
+        """How the edges of slices move with the unknown of each event (events, edges)."""
+        return np.empty((0, self.count + 1))
+
+    def share_of_move(self, by: Array) -> float:
+        """Return the share of a change of the events' unknowns that leaves them in their order."""
+        return 1.0
+
+    def move_events(self, by: Array) -> None:
+        """Move the edges of slices with the unknowns of events."""
+
+    def with_events_moved(self, edges: Array, seams: Array, course: Course) -> tuple[Array, Array, Course]:
+        """Return other edges, the seams and the events where these are now."""
+        return edges, seams, course
+
     # ---- rates -------------------------------------------------------------------------------------------------
 
     def rates(self, Y: Array, edges: Array | None = None) -> tuple[Array, Array]:
@@ -166,26 +215,39 @@ class CollocatedPitch:
 
     def runs(self, of: Array) -> Iterator[slice]:
         """Yield ranges of rows with equal phases, with the chambers held in these; `of` is the slice of each row."""
-        if not self.has_phases:  # all are free
+        if not self.holds:  # all are free
             yield slice(0, len(of))
             return
-        held, phases = self._held(), self.phases[of]
-        ends = np.flatnonzero((phases[1:] != phases[:-1]).any(axis=1)) + 1
+        cells, held = self._held(), self.held[of]
+        ends, free = np.flatnonzero((held[1:] != held[:-1]).any(axis=1)) + 1, cells.copy()
         try:
             for low, high in pairwise([0, *ends.tolist(), len(of)]):
-                held[:] = phases[low]
+                cells[:] = held[low]
                 yield slice(low, high)
         finally:
-            held[:] = FREE
+            cells[:] = free
 
     def rates_in(self, phases: Array, edge: int, y: Array) -> tuple[Array, Array]:
         """Return the rates of states and quadratures at the start of a slice, for states y, chambers held in phases."""
         slices, f, g = self.slices, np.empty((1, self.N)), np.empty((1, self.q))
-        self._held()[:] = phases
+        cells = self._held()
+        free = cells.copy()
+        cells[:] = self.held[edge]
+        cells[: len(phases)] = phases
         asked = slices.edges[edge : edge + 1], slices.middles[edge : edge + 1], np.array(y[None])
         self.machinery.together.slices__rates_at_all(*asked, *self._context, f, g)
-        self._held()[:] = FREE
+        cells[:] = free
         return f[0], g[0]
+
+    @property
+    def holds(self) -> bool:
+        """Whether chambers are held in anything."""
+        return self.has_phases
+
+    @property
+    def held(self) -> Array:
+        """What the chambers are held in on each slice (slices, …), the phases first."""
+        return self.phases
 
     @property
     def has_phases(self) -> bool:
@@ -254,29 +316,43 @@ class CollocatedPitch:
         return self.machinery.coupled_context, self.machinery.composition.n_E_all
 
     def _held(self) -> Array:
-        """Return the cells that hold the phases of the chambers' gas."""
+        """Return the cells that hold what chambers are held in."""
         return self.machinery.coupled_space()["spaces"][0][(self.machinery.composition.chambers + 1) * PORT_STATE :]
 
     # ---- reading -----------------------------------------------------------------------------------------------
 
     def sums(self, g: Array, widths: Array | None = None) -> Array:
         """Return the quadratures over the pitch from their rates at the nodes; a further axis is kept."""
-        return np.einsum("k,j,kj...->...", self.slices.widths if widths is None else widths, INTEGRALS[-1], g)[:-1]
+        found = np.einsum("k,j,kj...->...", self.slices.widths if widths is None else widths, INTEGRALS[-1], g)
+        return found[: self.machinery.nq]
 
-    def life(self, y: Array, Y: Array) -> Array:
+    def life(self, y: Array, Y: Array, after: Array) -> Array:
         """Return the dense output (…, steps, 4, n) of a life from states at start and nodes, or changes of these.
 
-        These may have a further axis at the end, which becomes the first.
+        They are followed by those after each event (events, N, …). All may have a further axis at the end, which
+        becomes the first.
         """
         columns, steps = Y.shape[3:], self.N // self.n * self.count
         found = empty(*(columns or (1,)), steps, 4 * self.n)
-        starts, nodes = (np.ascontiguousarray(each) for each in (y, Y))
-        sweeps().sweeps__lives(starts.reshape(self.N, -1), nodes.reshape(self.count * NODES, self.N, -1), self.n, found)
+        firsts = [0, *(k + 1 for k in self.passed), self.count]
+        for begins, (low, high) in zip((y, *after), pairwise(firsts), strict=True):
+            starts = np.ascontiguousarray(begins).reshape(self.N, -1)
+            nodes = np.ascontiguousarray(Y[low:high]).reshape((high - low) * NODES, self.N, -1)
+            part = found if len(firsts) == 2 else np.empty((len(found), high - low, 4 * self.n))
+            sweeps().sweeps__lives(starts, nodes, self.n, part)
+            if part is not found:
+                found[:, low:high] = part
         return found.reshape(*columns, steps, 4, self.n)
 
-    def install(self, y: Array, Y: Array, edges: Array | None = None) -> None:
+    def install(self, y: Array, Y: Array) -> None:
         """Install the polynomials as the last history, from the states y at the start and Y at the nodes."""
-        self.install_life(self.life(y, Y), edges)
+        self.install_life(self.life(y, Y, self.after(Y)))
+
+    def install_shifted(self, y: Array, Y: Array, by: float, change: Any) -> None:
+        """Install the polynomials of states at the start and the nodes with a multiple of a `linear.Response`."""
+        after = self.after(Y) + by * change.after
+        edges = self.slices.edges + by * (change.events @ self.events_move)
+        self.install_life(self.life(y + by * change.start, Y + by * change.nodes, after), edges)
 
     def install_life(self, life: Array, edges: Array | None = None) -> None:
         """Install a life's dense output as the last history."""

@@ -34,7 +34,7 @@ class CycleResponse(NamedTuple):
 
 def _moved(pitch: CollocatedPitch, response: Response, unknowns: Array) -> CycleResponse:
     """Return the response with its dense output still to be computed."""
-    return CycleResponse(response, unknowns, cache(lambda: pitch.life(response.start, response.nodes)))
+    return CycleResponse(response, unknowns, cache(lambda: pitch.life(response.start, response.nodes, response.after)))
 
 
 def responses(
@@ -90,12 +90,12 @@ def shifted_evaluation(
     pitch.put_with_cells(at, by, response.cells)
 
     def fill() -> None:
-        edges = direction.change.edges
-        edges = pitch.slices.edges if edges is None else pitch.slices.edges + by * edges
+        edges, moved = direction.change.edges, response.events @ pitch.events_move
+        edges = pitch.slices.edges + by * (moved if edges is None else moved + edges)
         pitch.install_life(all_directions.life + by * moves.life(), edges)
 
     turning = None
     if turn is not None:
-        moved = in_step(pitch, response.start, response.inside, turn.step)
+        moved = in_step(pitch, response.start, response.inside, response.after, turn.step)
         turning = turn._replace(states=turn.states + by * moved)
     return Evaluation(problem, ShiftedLife.of(pitch, fill, turning), cycle.sums + by * response.sums)

@@ -28,14 +28,17 @@ class PeakPlace(NamedTuple):
     states: Array
 
 
-def in_step(pitch: CollocatedPitch, y: Array, inside: Callable[[slice], Array], step: int) -> Array:
+def in_step(pitch: CollocatedPitch, y: Array, inside: Callable[[slice], Array], after: Array, step: int) -> Array:
     """Return states at the start and the nodes (4, n) of a step of a life, or changes of these.
 
-    `inside` returns those at the nodes of a range of slices (slices, NODES, N).
+    `inside` returns those at the nodes of a range of slices (slices, NODES, N); `after` (events, N) are behind events.
     """
     chamber, k = divmod(step, pitch.count)
     rows = slice(chamber * pitch.n, (chamber + 1) * pitch.n)
-    before = y[rows] if k == 0 else inside(slice(k - 1, k))[0, -1, rows]
+    if k - 1 in pitch.passed:
+        before = after[list(pitch.passed).index(k - 1), rows]
+    else:
+        before = y[rows] if k == 0 else inside(slice(k - 1, k))[0, -1, rows]
     return np.concatenate([before[None], inside(slice(k, k + 1))[0, :, rows]])
 
 

@@ -30,7 +30,7 @@ from screwsim.derivatives.collocation import FINE, CollocatedCycle, Fineness, No
 from screwsim.derivatives.directions import Direction, Directions, Structural
 from screwsim.derivatives.driven import closed_with_drive
 from screwsim.derivatives.peak import peak_pressure, peak_step
-from screwsim.derivatives.pitch import RateNumbers
+from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.derivatives.response import shifted_evaluation, unshifted_evaluation
 from screwsim.derivatives.shifted_life import PeakPlace, ShiftedLife, in_step
 from screwsim.evaluate.evaluation import Evaluation
@@ -45,7 +45,6 @@ Array = np.ndarray
 STEP = 2e-7  # relative shift of a number, for differences
 LARGEST_RESIDUAL = 1e-4  # [K, kPa], largest admissible residual of the surroundings of the collocated cycle ...
 MOST_STEPS = 3  # ... unless so many Newton steps were made
-ONE_CHAMBER = "chambers are integrated one at a time, with valve and seat events of their own"
 AT_END = "it moves the end of the range at which what is found with the cycle stands (oil flow, economizer, valve)"
 
 
@@ -79,8 +78,8 @@ def derivatives(
         return {}, refused
     (every, moves), read = closed_with_drive(cycle, every, all_directions), []
     peak = peak_step(unshifted_evaluation(cycle, all_directions))
-    states = cycle.nodes.__getitem__
-    turn = None if peak is None else PeakPlace(*peak, in_step(cycle.pitch, cycle.start, states, peak[0]))
+    states, after = cycle.nodes.__getitem__, cycle.pitch.after(cycle.nodes)
+    turn = None if peak is None else PeakPlace(*peak, in_step(cycle.pitch, cycle.start, states, after, peak[0]))
     here = _readings_of(unshifted_evaluation(cycle, all_directions, turn), bool(around))
     for j, direction in enumerate(every):
         there = _readings_of(shifted_evaluation(cycle, direction, moves.by(j), all_directions, turn), bool(around))
@@ -185,8 +184,6 @@ def _found(scene: Scene, values: Mapping[str, float], fineness: Fineness) -> Sce
     if not fineness.estimated:
         scene = replace(scene, numerics=replace(scene.numerics, error="none"))
     problem, search = steady_state(problem_of(scene, series), series)
-    if problem.composition.chambers == 1:
-        return SceneDerivatives({}, {}, ONE_CHAMBER)
     machinery = lease_for(problem)
     accurate = solve_with_surroundings(problem, machinery, None, search)
     if not accurate.cycle.closed:

@@ -6,6 +6,7 @@ from typing import Any
 
 from screwsim.model import ledger, port_states, slices, slots, trace
 from screwsim.model.network.chamber import chamber_texts
+from screwsim.model.network.chamber_alone import chamber_alone_texts
 from screwsim.model.network.chambers import chambers_texts
 from screwsim.model.network.layout import Layout
 from screwsim.model.network.moments import moment_text
@@ -25,7 +26,8 @@ READ_WITH += (trace.peak_pressure, trace.volumes, trace.volume_slopes, trace.sam
 READ_WITH += (trace.areas_along, trace.pressures)
 
 # kernels for linearising a pitch
-OF_A_PITCH = (slices.rates_at, slices.derivatives_at, slices.derivatives)
+AT_NODES = (slices.rates_at, slices.derivatives_at)
+OF_A_PITCH = (*AT_NODES, slices.derivatives)
 
 # functions that a composition writes itself, by the slots that they fill
 OWN = {each.name: each.filled_by for each in vars(slots).values() if isinstance(each, Slot)}
@@ -45,15 +47,17 @@ def module_text(
 
     `key` is that of the network; `own_functions` with their `kernels` have been written already. The module of one
     chamber includes all kernels for reading a closed cycle, and `read_with`; that of all chambers `together` only
-    the driver. A text that was written before is read from the cache folder, where its key is everything it is made of.
+    the driver; without neighbours, only its rates at many angles. A text that was written before is read from the cache
+    folder, where its key is everything it is made of.
     """
     *network, called = key
     drivers = (rodas.integrate, *OF_A_PITCH, *READ_WITH, *OF_EACH)
-    stops = Layout(Network(*key)).stops
+    alone = together and Network(*key).chambers == 1
+    stops = () if alone else Layout(Network(*key)).stops
 
     def write() -> str:
         """Return the text, written now."""
-        texts, more = (chambers_texts if together else chamber_texts)(key)
+        texts, more = (chamber_alone_texts if alone else chambers_texts if together else chamber_texts)(key)
         moments = () if together else (moment_text(key),)
         own = (*own_functions, *texts, *moments)
         return _written(own, (*kernels, *more), named, structure, read_with, stops, together)
@@ -78,13 +82,14 @@ def _written(
     for label in stops:
         blocks |= flatten(OF_EACH, own | {"push_on": f"push_on__{label}"}, f"_{label}", numbers)
     blocks |= {f"own {i}": text for i, text in enumerate(own_functions)}
-    many, whose = (constants["CHAMBERS"], "chambers") if together else (1, "chamber")
-    sizes = {"STATES": many * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + together}
-    slots = {name: f"{whose}__{name}" for name in ASKED}
-    if together:  # derivatives by numbers of a scene must be exact; for an ideal, dry gas the integrator's are
+    coupled = together and constants["CHAMBERS"] > 1
+    many, whose = (constants["CHAMBERS"], "chambers") if coupled else (1, "chamber")
+    sizes = {"STATES": many * constants["N"], "QUADRATURES": numbers["QUADRATURES"] + coupled}
+    slots = {name: f"{whose}__{name}" for name in ASKED} | {"exact_jacobian": "chamber__exact_jacobian"}
+    if coupled:  # derivatives by numbers of a scene must be exact; for an ideal, dry gas the integrator's are
         exact = any(text.startswith("def chambers__exact_jacobian(") for text in own_functions)
         slots["exact_jacobian"] = "chambers__exact_jacobian" if exact else slots["jacobian"]
-    drivers = (rodas.integrate, *(OF_A_PITCH if together else ()))
+    drivers = (rodas.integrate, *(OF_A_PITCH if coupled else ())) if coupled or not together else AT_NODES
     driver = flatten(drivers, slots, "_all" if together else "_one", sizes)
     rest = () if together else (*READ_WITH, *read_with)
     for more in (flatten(rest, own, numbers=numbers), driver):

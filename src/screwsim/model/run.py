@@ -238,6 +238,7 @@ class Machinery:
         if not self._together:
             c = self.composition
             port_states = np.append(np.zeros((c.chambers + 1) * PORT_STATE), np.full(c.chambers, FREE))
+            port_states = self._at_first.copy() if self.alone else port_states
             self._together = {
                 "spaces": (port_states, np.zeros(c.n_work_all)),
                 "history": self.new_history(self.max_steps, c.chambers * self.n, self.nq + 1),

@@ -21,6 +21,7 @@ class Cell:
 
     e = ""
     together = False
+    exact = False  # whether derivatives include what the integrator holds, and hold what a step holds
 
     def __init__(self, network: Network) -> None:
         self.network, self.layout = network, Layout(network)
@@ -57,7 +58,7 @@ class Cell:
         beyond = flows.port_state_of(self.network, port.cell)
         with to.within(self.opened(to, f"{port.effect} (M12)", f"{self.e}{self.layout.area(port)}", slopes)):
             flows.read_port_state(to, self.network, port.cell, *self.line(port.cell))
-            if slopes and port.one_way:
+            if slopes and port.one_way and not self.exact:
                 way = ">" if port.one_way > 0 else "<"
                 to.add(f"switch_{self.layout.label(port)} = 1.0 if {beyond.p} {way} p else 0.0")
             flows.port_flux(to, port, self.layout.label(port), self.own, beyond)

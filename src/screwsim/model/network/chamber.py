@@ -30,6 +30,7 @@ from screwsim.model.network.surroundings import beyond_last_text, lines_texts, s
 from screwsim.numerics.expressions import slope_name
 from screwsim.numerics.kernel import Kernel
 
+HELD_PHASE = "phase = gas_phase(T, rho, P, TAB) if own[PHASE] == FREE else int(own[PHASE])"
 KEPT = ["own[PRESSURE] = p", "own[TPT] = TpT"]
 
 
@@ -43,6 +44,10 @@ def chamber_texts(key: tuple[Any, ...]) -> tuple[tuple[str, ...], tuple[Kernel, 
 
 class Chamber(Cell):
     """The functions of one chamber."""
+
+    context = CONTEXT
+    constant: tuple[str, ...] = CONSTANT
+    jacobian_name = "jacobian"
 
     def __init__(self, network: Network) -> None:
         super().__init__(network)
@@ -126,11 +131,11 @@ class Chamber(Cell):
 
     def rates(self) -> str:
         """Return the text of dy/dφ of one chamber, and of the rates of its quadratures."""
-        network, held = self.network, "gas_phase(T, rho, P, TAB) if own[PHASE] == FREE else int(own[PHASE])"
+        network = self.network
         return function(
             "chamber__rates(y, E, context, f, g)",
-            ['"""Fill f = dy/dphi and the quadrature rates g of one chamber."""', CONTEXT],
-            [*self.states(), f"phase = {held}" if network.phases else "phase = 0"],
+            ['"""Fill f = dy/dphi and the quadrature rates g of one chamber."""', self.context],
+            [*self.states(), HELD_PHASE if network.phases else "phase = 0"],
             [*self._body(False), *KEPT, *self._stored()],
             [*stops.at_rest(network, keep_at_rest, "f"), "own[STEP_END] = E[E_ANGLE]"] if network.stops else [],
             ["own[FED_LAST] = inflow"] if network.flash_begins else [],
@@ -140,7 +145,7 @@ class Chamber(Cell):
         """Return the text of the rates and their derivatives by the states and by the angle."""
         network, states = self.network, self.network.states
         given = self._by_angle()
-        tangent = Tangent(self._body(True), (*states, "phi"), network.kernels, given, CONSTANT)
+        tangent = Tangent(self._body(True), (*states, "phi"), network.kernels, given, self.constant)
         self.tangents = tangent.kernels
         stores = self._stored()
         rows = [("J", "f_phi", f"S_{name}", f"f_{name}") for name in states]
@@ -148,8 +153,8 @@ class Chamber(Cell):
         for by_states, by_angle, row, name in rows:
             stores += [f"{by_states}[{row}, S_{state}] = {tangent.slope(name, state)}" for state in states]
             stores.append(f"{by_angle}[{row}] = {tangent.slope(name, 'phi')}")
-        before = ["per_delta = 1.0 / delta"]
-        before += ["phase = gas_phase(T, rho, P, TAB)", "own[PHASE] = phase"] if network.phases else ["phase = 0"]
+        before, of_states = ["per_delta = 1.0 / delta"], ["phase = gas_phase(T, rho, P, TAB)", "own[PHASE] = phase"]
+        before += ([HELD_PHASE] if self.exact else of_states) if network.phases else ["phase = 0"]
         before += [f"{slope_name(name, 'phi')} = {given[name, 'phi']}" for name in ("V", "dV")]
         valves = [port for port in network.ports if port.one_way]
         after = [f"{self.layout.share(port, 'HELD')} = switch_{self.layout.label(port)}" for port in valves]
@@ -158,8 +163,8 @@ class Chamber(Cell):
             after += [line for array in ("f", "f_phi") for line in stops.at_rest(network, keep_at_rest, array)]
             after += [*stops.at_rest(network, keep_rows_at_rest, "J"), "own[STEP_BEGIN] = E[E_ANGLE]"]
         return function(
-            "chamber__jacobian(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)",
-            ['"""Fill f, g and their derivatives by y and by phi; E_next is E at phi + delta."""', CONTEXT],
+            f"chamber__{self.jacobian_name}(y, E, E_next, delta, context, f, g, J, Jq, f_phi, g_phi)",
+            ['"""Fill f, g and their derivatives by y and by phi; E_next is E at phi + delta."""', self.context],
             [*self.states(), *before, *tangent.lines, *KEPT, *stores, *after],
         )
 

@@ -1,0 +1,123 @@
+"""The effect of small changes of the rates' arguments on the stage equations and the quadratures, by differences.
+
+Rates for all changes are computed side by side. An event within a turn moves the edges of slices up to its neighbours
+alone, so that every second event is moved at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.derivatives.lane_rates import RateRequest, rates_of
+from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.rate_numbers import RateNumbers
+from screwsim.derivatives.slices import INTEGRALS
+from screwsim.derivatives.sweeps import compiled
+from screwsim.model.slots import P_GAP_WIDTH, PORT_STATE, PRESSURE, R_RATIO
+
+Array = np.ndarray
+OF_WIDTH = 1e-5  # step of differences over the regularisation: a tenth of a node's distance from a turning ...
+LEAST, MOST = 1e-10, 1e-9  # ... within these bounds
+SMALL = 1e-3  # least size of a state or a cell, for relative steps
+
+
+def step_along(change: ArgumentChange, at: RateNumbers, step: float) -> float:
+    """Return the relative step of differences along a change: of central ones so that pressures move by `step` at most.
+
+    A saturation temperature moves the pressure of its line ten times as far as itself, and nodes must not be moved
+    beyond the turning of a flow.
+    """
+    if not change.both:
+        return step
+    lines = slice(PRESSURE, R_RATIO, PORT_STATE)
+    moved = change.numbers.R[lines] / np.where(at.R[lines] > 0.0, at.R[lines], np.inf)
+    return step / max(1.0, float(np.abs(moved).max()))
+
+
+def step_of(pitch: CollocatedPitch) -> float:
+    """Return the relative step of differences: small against the regularisation, far above rounding."""
+    width = float(pitch.machinery.composition.P[P_GAP_WIDTH])
+    return min(MOST, max(LEAST, OF_WIDTH * width))
+
+
+class ArgumentChange(NamedTuple):
+    """A direction: change of the numbers, and of the slices' edges [rad]; `side` is the sign of its differences.
+
+    Where two breakpoints of the laws coincide and one of them moves, edges stay, and the differences are taken on
+    the side where the nodes at the ends of slices remain in their segments; one sign for each slice where
+    breakpoints move both ways.
+    """
+
+    numbers: RateNumbers
+    edges: Array | None = None
+    side: float | Array = 1.0
+
+    @property
+    def nothing(self) -> bool:
+        """Whether no rate depends on it."""
+        return self.numbers.nothing and self.edges is None
+
+    @property
+    def both(self) -> bool:
+        """Whether differences must be central: for pressures of lines, in whose layers chambers may remain for long."""
+        return bool(self.numbers.R[PRESSURE:R_RATIO:PORT_STATE].any())
+
+
+def along(
+    pitch: CollocatedPitch, Y: Array, at: RateNumbers, changes: Sequence[ArgumentChange], right: Array, first: int
+) -> Array:
+    """Return the change of the quadratures with changes of the rates' arguments, a column each.
+
+    Changes of the stage equations are added to `right` (slices, NODES, N, …), from column `first` on.
+    """
+    sums = np.zeros((pitch.machinery.nq, len(changes)))
+    some = [i for i, each in enumerate(changes) if not each.nothing]
+    if not some:
+        return sums
+    of_pressures, asked, of_asked = step_of(pitch), [RateRequest(at, None)], []
+    for i in some:
+        numbers, edges, side = changes[i]
+        both, step = changes[i].both, step_along(changes[i], at, of_pressures)
+        signs = (side,) if isinstance(side, float) and not both else (1.0, -1.0)
+        of_asked += [(i, sign / step * (0.5 if both else np.equal(side, sign)), not both) for sign in signs]
+        for sign in signs:
+            there = None if edges is None else pitch.slices.edges + sign * step * edges
+            asked.append(RateRequest(at.plus(sign * step, numbers), there))
+    own: list[Array] = []
+    for which, *found in rates_of(pitch, Y, asked):
+        found = [rates.reshape(-1, *rates.shape[2:]) for rates in found]
+        own = own or [rates[..., 0].copy() for rates in found]
+        lane, widths = int(not which.start), pitch.slices.widths
+        of_lanes = of_asked[which.start + lane - 1 : which.stop - 1]
+        edges = [each.edges for each in asked[which.start + lane : which.stop]]
+        there = [per * (widths if e is None else np.diff(e)) for (_, per, _), e in zip(of_lanes, edges, strict=True)]
+        here = [per * one_sided * widths for _, per, one_sided in of_lanes]
+        how = lane, *(np.ascontiguousarray(np.transpose(each)) for each in (there, here))
+        columns = np.array([i for i, *_ in of_lanes])
+        compiled().sweeps__add_stages(found[0], own[0], *how, first + columns, right.reshape(-1, *right.shape[2:]))
+        compiled().sweeps__add_sums(found[1], own[1], *how, columns, sums)
+    return sums
+
+
+def along_events(pitch: CollocatedPitch, Y: Array, right: Array) -> Array:
+    """Return the change of the quadratures with the unknown of each event, a column each, by the edges that it moves.
+
+    Changes of the stage equations are added to `right` (slices, NODES, N, events). They are those of every second event
+    at once, each in the slices that it reaches, up to its neighbours.
+    """
+    at, edges, moves, step = pitch.numbers, pitch.slices.edges, pitch.events_move, step_of(pitch)
+    sums = np.zeros((pitch.machinery.nq, len(moves)))
+    if not len(moves):
+        return sums
+    sides = [edges + step * moves[first::2].sum(axis=0) for first in (0, 1)]
+    (_, *rates), *_ = rates_of(pitch, Y, [RateRequest(at, None), *(RateRequest(at, each) for each in sides)])
+    for event, move in enumerate(moves):
+        reached = (move[:-1] != 0.0) | (move[1:] != 0.0)
+        here, there = (np.diff(each)[reached, None, None] for each in (edges, sides[event % 2]))
+        f, g = ((there * each[reached, ..., 1 + event % 2] - here * each[reached, ..., 0]) / step for each in rates)
+        right[reached, ..., event] += INTEGRALS @ f
+        sums[:, event] = np.einsum("j,kjq->q", INTEGRALS[-1], g)[: len(sums)]
+    return sums
