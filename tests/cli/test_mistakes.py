@@ -94,6 +94,11 @@ def test_a_file_of_another_kind_is_told_with_what_reads_it(files, command, argum
     assert command(*arguments) == (3, "", f"{told}\n")
 
 
+def test_a_command_that_is_proposed_may_be_copied_whatever_the_name_of_the_file(files, command):
+    (files / "my machine.yaml").write_text((files / "small.yaml").read_text())
+    assert "(run screwsim run 'my machine.yaml';" in command("calibrate", "my machine.yaml").err
+
+
 def test_a_source_is_no_file(files, command):
     (files / "validation" / "small").mkdir(parents=True)
     (files / "validation" / "small" / "compare.py").write_text("")

@@ -91,3 +91,14 @@ def test_the_file_of_a_run_is_named_last_and_on_stderr_beside_json(as_json, fold
     named = answer.err if as_json else answer.out
     assert answer.code == 0 and named.splitlines()[-1] == "out.h5"
     assert not as_json or json.loads(answer.out)["status"] == "ok"
+
+
+@pytest.mark.around
+def test_files_that_an_earlier_command_left_beside_new_ones_are_told(folder, command):
+    """A machine without a profile has no forces: those of another machine would pass for its own."""
+    for old in ("loads/forces.csv", "loads/flows.csv", "loads/notes.txt"):
+        (folder / old).parent.mkdir(exist_ok=True)
+        (folder / old).touch()
+    told = command("export", "loads", POINT, "-o", "loads").err
+    assert "warning: loads/forces.csv: from an earlier command, not of these results" in told
+    assert "flows.csv" not in told and "notes.txt" not in told

@@ -123,7 +123,7 @@ def test_coefficients_state_where_they_are_valid(swept_map, ip, unit, at):
     found = polynomials(swept_map, FIGURES)
     (one,) = found.maps
     corners = ", ".join(f"({at(S):.6g}, {at(D):.6g})" for S, D in one.envelope)
-    line = f"# {found.name(one) or 'the map'}: valid between the corners (S, D) {corners} {unit}"
+    line = f"# {found.titled(one, 'the map')}: valid between the corners (S, D) {corners} {unit}"
     assert len(one.envelope) >= 3 and line in en12900_csv(found, ip).splitlines()
 
 

@@ -92,6 +92,19 @@ def test_the_balance_closes_where_an_economizer_gets_more_gas_than_it_gives(back
     assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
 
 
+@pytest.mark.parametrize("closes", [600, 640])
+def test_the_balance_closes_where_gas_is_pushed_back_into_the_liquid_line(closes):
+    """Chambers above the condenser's pressure: what they push back condenses in the line, and its heat is told."""
+    port = f"effects.liquid_injection={{opens: {closes - 80} deg, closes: {closes} deg, area: 20 mm^2}}"
+    changes = [port, "operation.condensing_temperature=20 degC", "numerics.error=none"]
+    found = simulate(load(CONFIGS / "r134a" / "separator.yaml", changes), trace=False)
+    p = found.performance
+    assert p.liquid_injection_heat_loss > 0.01 * p.shaft_power
+    assert any("gas pushed back into the liquid line" in warning for warning in found.warnings)
+    brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.liquid_injection_heat_loss
+    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
+
+
 def test_an_ideal_gas_without_a_separator_gives_off_what_it_left_the_chambers_with():
     p, scene = run(RATED).performance, make(RATED)
     warmed = build_gas(scene).c_p * (p.discharge_temperature - lines(scene).T_s)

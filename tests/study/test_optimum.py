@@ -13,7 +13,7 @@ from study_fakes import deadly, flat, gappy, parabola, raising, result_of, rough
 from screwsim.build import build_parts
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.scene import case, loads, with_values
+from screwsim.scene import case, load, loads, with_values
 from screwsim.simulate import simulate
 from screwsim.study.best.optimum import optimum, question
 from screwsim.study.best.search import SearchPoint, find_maximum
@@ -230,6 +230,9 @@ def test_a_path_that_the_scene_cannot_have_is_refused():
     one = loads(text)
     with pytest.raises(UsageError, match=r"oil_supply\.ratio: follows from the orifice of displaced oil"):
         optimum(one, question(one), simulate=parabola)
+    dry = load(PAPER.parents[1] / "slider_crank" / "air.yaml")
+    with pytest.raises(UsageError, match=r"oil_supply\.ratio: the scene has no oil supply \(vary another path"):
+        question(dry)
 
 
 def test_the_optimum_of_the_paper_is_that_of_a_fine_grid():

@@ -51,6 +51,12 @@ def test_the_spread_is_that_of_the_machines_and_its_shares_tell_the_cause():
     assert (found.count, found.hits, found.failed) == (200, 0, 0)
 
 
+def test_one_length_in_twenty_without_influence_has_more_than_the_share_of_chance():
+    found, random = tolerances(loads(TEXT), GRADES, count=12, jobs=1, simulate=fake), np.random.default_rng(1)
+    shares = [np.corrcoef(random.random((2, 12)))[0, 1] ** 2 for _ in range(4000)]
+    assert np.mean(np.array(shares) > found.chance_share) == pytest.approx(0.05, abs=0.01)  # its deviation: 0.0034
+
+
 def test_pistons_that_reach_the_head_are_counted_and_not_simulated():
     scene = loads(TEXT.replace("3 cm^3", "0.1 cm^3"))
 

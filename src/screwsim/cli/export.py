@@ -341,6 +341,7 @@ def loads(
         typer.echo(f"export: {found.without}", err=True)
     files = write_loads(scene, result, found, output, steps)
     print_document_or_text(as_json, loads_document, print_loads, found, result, files)
+    options.tell_left(output, files, "forces*.csv", "*_rotor.xdmf", "*_rotor.h5")
     return OK if result.status == "ok" else NOT_ALL_OK
 
 

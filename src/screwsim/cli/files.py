@@ -1,6 +1,7 @@
 """The commands that show: rotors, results as figures and as a page, comparisons with sources, schemas."""
 
 from pathlib import Path
+from shlex import quote
 
 import typer
 
@@ -33,6 +34,8 @@ def rotors(
     else:
         say(text)
         options.print_files(files)
+    if folder is not None:
+        options.tell_left(folder, files, "curves/*_face_*.csv", "table/*_leakage.csv", "table/blow_hole.csv")
 
 
 def plot(
@@ -49,14 +52,14 @@ def plot(
     if measured is None:
         options.print_files(drawn(results_file, folder))
         return
-    from screwsim.printing.tables import wrapped
+    from screwsim.printing.tables import print_text
     from screwsim.report.indicated import at_angles, deviation_in_words, read_indicated, shift_in_words
     from screwsim.report.trace import chosen_trace
     from screwsim.results import open_results
 
     read, results = read_indicated(measured), open_results(results_file)
     if results.stages:
-        alone = f"screwsim scene {results_file} --stage {next(iter(results.stages))} gives its scene, to be run"
+        alone = f"screwsim scene {quote(results_file)} --stage {next(iter(results.stages))} gives its scene, to be run"
         raise UsageError(f"{results_file}: holds two stages, and --measured needs the results of one machine ({alone})")
     trace = chosen_trace(results)
     if trace is None:
@@ -64,10 +67,10 @@ def plot(
         raise UsageError(f"{results_file}: holds no cycle to compare ({remedy})")
     points = at_angles(read, trace)
     files = drawn(results_file, folder, points)
-    say(wrapped(deviation_in_words(points, trace)))
+    print_text(deviation_in_words(points, trace))
     shift = shift_in_words(points, trace)
     if shift:
-        say(wrapped(shift))
+        print_text(shift)
     options.print_files(files)
 
 

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import typer
@@ -188,13 +189,22 @@ def print_files(files: Iterable[Path | str], as_json: bool = False) -> None:
         say(str(file), err=as_json)
 
 
+def tell_left(folder: Path, files: Iterable[Path | str], *patterns: str) -> None:
+    """Say on stderr which files of the patterns an earlier command left in a folder, beside those just written."""
+    written = {Path(file).resolve() for file in files}
+    left = sorted(str(file) for each in patterns for file in folder.glob(each) if file.resolve() not in written)
+    if left:
+        what = "from an earlier command, not of these results (remove it, or name another folder)"
+        say(f"warning: {', '.join(left)}: {what}", err=True)
+
+
 def base_point(scene: AnyScene, file: str) -> AnyScene:
     """Return the scene without its sweep, as stored with the result; if it has one, report that on stderr."""
     if not scene.sweep:
         return scene
     from screwsim.scene import Scene, scene_text
 
-    report_ignored_sweep(scene, f"{file}: its", f"screwsim sweep {file} simulates the sweep")
+    report_ignored_sweep(scene, f"{file}: its", f"screwsim sweep {quote(file)} simulates the sweep")
     if not isinstance(scene, Scene):
         return replace(scene, sweep={}, joints=())
     base = replace(scene, sweep={})

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from shlex import quote
 from typing import TYPE_CHECKING
 
 from screwsim.cli import options
@@ -136,7 +137,7 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, measured: Sequ
     chain = read_stages(file, overrides or ())
     if output is not None:
         options.check_place(output)
-    options.report_ignored_sweep(chain, f"{file}: its", f"screwsim sweep {file} simulates the sweep")
+    options.report_ignored_sweep(chain, f"{file}: its", f"screwsim sweep {quote(file)} simulates the sweep")
     options.report_sweeps_of_stages(chain, file)
     _report_ignored_model_errors(file, chain)
     base = replace(chain, sweep={}, joints=())
@@ -269,7 +270,7 @@ def explain(
     if names and not (parameters or code):
         kind = "--code" if re.fullmatch(r"[MS]\d+", names[0]) else "--parameters"
         what = "only --parameters and --code take a name"
-        raise UsageError(f"{names[0]}: {what} (write screwsim explain {scene_file} {kind} {names[0]})")
+        raise UsageError(f"{names[0]}: {what} (write screwsim explain {quote(scene_file)} {kind} {names[0]})")
     if parameters and code:
         raise UsageError("--parameters and --code exclude each other (remove one of the two)")
     if is_stages(scene_file):

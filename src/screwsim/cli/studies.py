@@ -126,7 +126,7 @@ def sensitivity(
     if places:
         raise UsageError(f"{places[0]}: has no range (write --path PATH=LOW..HIGH, or add --local)")
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
-    from screwsim.printing.tables import wrapped
+    from screwsim.printing.tables import print_text
     from screwsim.study.asked.inputs import efficiency_note
     from screwsim.study.asked.spans import read_ranges
     from screwsim.study.uncertainty.sobol import check_samples, cost_in_words, usual_samples
@@ -140,7 +140,7 @@ def sensitivity(
     if not names and (told := efficiency_note(scene)):
         typer.echo(f"sensitivity: {told}", err=True)
     if sys.stderr.isatty():
-        say(wrapped(f"sensitivity: {cost_in_words(len(ranges), samples)}"), err=True)
+        print_text(f"sensitivity: {cost_in_words(len(ranges), samples)}", err=True)
     with options.counted_progress("sensitivity", "solutions") as shown:
         found = studied(scene, ranges, names, samples=samples, seed=seed, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, sensitivity_document, print_sensitivity, scene, found)
@@ -230,8 +230,15 @@ def calibrate(
     options.check_folder(folder)
     from screwsim.printing import print_json
     from screwsim.printing.calibration import calibration_document, check_folder, print_calibration, write_calibration
-    from screwsim.printing.posterior import posterior_document, print_posterior, protect_other_samples, write_posterior
-    from screwsim.printing.tables import wrapped
+    from screwsim.printing.posterior import (
+        PAIRS,
+        PREDICTED,
+        posterior_document,
+        print_posterior,
+        protect_other_samples,
+        write_posterior,
+    )
+    from screwsim.printing.tables import print_text
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
     from screwsim.study.calibration import cost_in_words, read_fit
@@ -245,7 +252,7 @@ def calibrate(
         if posterior or asked:
             protect_other_samples(folder)
     if sys.stderr.isatty():
-        say(wrapped(f"calibrate: {cost_in_words(fit)}"), err=True)
+        print_text(f"calibrate: {cost_in_words(fit)}", err=True)
     try:
         found = calibrated(fit, jobs=jobs, progress=options.progress_bar("calibrate"))
     except Interrupted as pressed:
@@ -260,8 +267,9 @@ def calibrate(
         if wide is not None:
             print_posterior(found, wide)
     if folder is not None:
-        more = [] if wide is None else write_posterior(found, wide, folder)
-        options.print_files([*write_calibration(found, folder), *more], as_json)
+        files = [*write_calibration(found, folder), *([] if wide is None else write_posterior(found, wide, folder))]
+        options.print_files(files, as_json)
+        options.tell_left(folder, files, f"{PAIRS}.*", PREDICTED)
     if found.status == "interrupted":
         say(found.message, err=True)
         return options.INTERRUPTED

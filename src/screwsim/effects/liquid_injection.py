@@ -7,16 +7,18 @@ far that the discharge has that temperature (M391).
 Source: ours; orifice coefficient 0.61 of a sharp edge: textbook.
 Assumptions: the liquid does not flash inside the bore; in the chamber it evaporates without delay. With gas.two_phase:
 refuse the chamber has to stay dry, else the result is `failed` and names the angle; with equilibrium a wet chamber is
-simulated. Valve and bore act as one orifice, steady over a turn.
+simulated. Valve and bore act as one orifice, steady over a turn, without a check valve: gas of a chamber above the
+line's pressure is pushed back into it and condenses there; its heat leaves the machine.
 Parameters: opens, closes, area, flow_coefficient, pressure_loss, discharge_temperature or opening.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site, Sought, Span
+from screwsim.effects.economizer import GIVEN_TOO_MUCH
 from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.effects.parts.gap import flow_coefficient
 from screwsim.effects.parts.port_window import CheckWithin, WindowParameters, check_window, window_path
@@ -27,10 +29,10 @@ from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import FoundWithCycle, number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import HOLES, SHELL, WIDEST
-from screwsim.outputs import BESIDE, BESIDE_RATIO, Figure
+from screwsim.outputs import BESIDE, BESIDE_RATIO, Figure, power_figure
 from screwsim.outputs.customary import celsius, in_bar, in_celsius
 
-NAME, RATIO = "liquid_injection", "liquid_injection_flow_ratio"
+NAME, RATIO, HEAT_LOSS = "liquid_injection", "liquid_injection_flow_ratio", "liquid_injection_heat_loss"
 DISCHARGE, MIXTURE = "discharge_temperature", "mixture_discharge_temperature"
 SHARP_EDGE = 0.61
 VALVE = 10.0  # [K] of the search coordinate for a factor e of the valve's opening
@@ -46,6 +48,7 @@ FIGURES = (
         "share of the bore's area that the thermostatic valve leaves open",
         needs=(".discharge_temperature",),
     ),
+    power_figure(HEAT_LOSS, "heat of gas that is pushed back into the liquid line and condenses there"),
 )
 
 
@@ -128,12 +131,20 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
         return site.gas.liquid(site.p_d - parameters.pressure_loss, site.liquid_enthalpy)
 
     def figures(drawn: Drawn) -> dict[str, float | None]:
-        found = {"liquid_injection_mass_flow": drawn.flow, RATIO: drawn.ratio}
+        found = {"liquid_injection_mass_flow": drawn.flow, RATIO: drawn.ratio, HEAT_LOSS: drawn.brought}
         return found if parameters.discharge_temperature is None else {**found, "liquid_injection_opening": opening}
 
     opening = parameters.opening
     bore = parameters if opening is None else replace(parameters, area=opening * parameters.area)
     return [window_path(NAME, bore), Plenum(NAME, state, figures, evaporates=True)]
+
+
+def warnings(found: Mapping[str, Any]) -> Iterator[str]:
+    """Yield a warning of gas that is pushed back into the liquid line."""
+    loss, power = found.get(HEAT_LOSS) or 0.0, abs(found.get("shaft_power") or 0.0)
+    if loss > GIVEN_TOO_MUCH * power > 0.0:
+        what = f"gas pushed back into the liquid line loses {loss:.3g} W there, {100.0 * loss / power:.2g} %"
+        yield f"{what} of the shaft power, and condenses (let effects.{NAME} close earlier)"
 
 
 def check(parameters: Parameters, facts) -> Faults:
@@ -188,5 +199,6 @@ EFFECT = Effect(
     check_geometry=CheckWithin(NAME),
     needs=frozenset({HOLES}),
     figures=FIGURES,
+    warnings=warnings,
     sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.05)),),
 )

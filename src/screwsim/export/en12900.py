@@ -86,7 +86,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     """Return the coefficients, then the rated points in the envelope, of each map."""
     other = other_convention(found)
     degree = "degF" if ip else "degC"
-    valid = [(found.name(one) or "the map", _corners(one, ip)) for one in found.maps]
+    valid = [(found.titled(one, "the map"), _corners(one, ip)) for one in found.maps]
     lines = [
         f"# {found.title}: {found.fluid}",
         f"# {document(found)['formula']}",

@@ -97,7 +97,7 @@ def notes(found: Polynomials) -> list[str]:
     for one in found.maps:
         errors = ", ".join(f"{figure.replace('_', ' ')} {100 * fit.largest:.2g} %" for figure, fit in one.fits.items())
         over = "/".join(f"{T:g}" for T in rated_temperatures(one))
-        lines.append(f"{found.name(one) or 'map'}: largest errors of the cubics: {errors}")
+        lines.append(f"{found.titled(one, 'map')}: largest errors of the cubics: {errors}")
         off = " and ".join(f"{100 * error:.2g} %" for _, error in normalised(one, rated_temperatures(one)).values())
         relative = f"capacity, power per capacity relative to those at {over} deg C"
         lines.append(f"CAPFT, EIRFT: {relative}; off by {off} at most")

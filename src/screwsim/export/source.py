@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 import numpy as np
@@ -132,7 +133,7 @@ def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = 
     results = open_results(source)
     if results.stages:
         file = "OUT.h5" if results.shape else source
-        alone = f"screwsim scene {file} --stage {next(iter(results.stages))} gives its scene, to be named here"
+        alone = f"screwsim scene {quote(file)} --stage {next(iter(results.stages))} gives its scene, to be named here"
         alone = f"for one point screwsim run -o OUT.h5, then {alone}" if results.shape else alone
         raise UsageError(f"{source}: holds two stages, and loads are those of one machine ({alone})")
     if results.shape or "angle" not in results.cycle:

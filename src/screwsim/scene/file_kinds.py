@@ -1,6 +1,7 @@
 """Recognise, by its keys, a file of another kind than the one a command expects."""
 
 from collections.abc import Collection
+from shlex import quote
 
 STAGES = "stages"
 _FIT = ("parameters", "data", "scene")
@@ -15,7 +16,7 @@ def other_file(keys: Collection[str], name: str, wanted: str = "scene") -> str |
         return f"describes two stages, which only {commands} accept ({remedy})"
     fit = len([key for key in _FIT if key in keys]) >= 2 and not {"machine", "gas", "operation"} & set(keys)
     if wanted == "scene" and fit:
-        return f"is a fit, not a scene (run screwsim calibrate {name})"
+        return f"is a fit, not a scene (run screwsim calibrate {quote(name)})"
     if wanted == "fit" and not fit and {"machine", "gas", "operation", "base"} & set(keys):
-        return f"is a scene, not a fit (run screwsim run {name}; a fit has scene:, data: and parameters:)"
+        return f"is a scene, not a fit (run screwsim run {quote(name)}; a fit has scene:, data: and parameters:)"
     return None

@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from shlex import quote
 from typing import Any
 
 from screwsim.effects import catalogue
@@ -156,8 +157,8 @@ def _read_file(
         what = f"cannot be read: {error} (name an existing scene file, saved as UTF-8)"
         if error.hdf5:
             what = (
-                f"is a file of results, not a scene (screwsim scene {name} -o again.yaml writes the scene that it "
-                "contains)"
+                "is a file of results, not a scene "
+                f"(screwsim scene {quote(name)} -o again.yaml writes the scene that it contains)"
             )
         elif at is None and os.path.isfile(f"{name}.yaml"):
             what = f"cannot be read: {error} (there is {name}.yaml)"

@@ -113,7 +113,7 @@ def steady_problem(scene: Scene, creep: float) -> Problem:
             "the scene has no drive to start (name drive under effects; docs/reference/drive.md has an example)"
         )
     if problem.parts.geometry.expands:
-        raise UsageError("only a compressor has a start-up, and the scene's machine is an expander")
+        raise UsageError("only a compressor has a start-up, and this is an expander (name the scene of a compressor)")
     if not math.isfinite(part.train(1.0).motor.most):
         raise UsageError("a start needs the motor's limit (give effects.drive.motor.torque_limit)")
     if not creep > 0.0:

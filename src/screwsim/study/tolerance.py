@@ -9,6 +9,7 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from scipy.special import stdtrit
 
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.slider_crank.cylinder import SliderCrank
@@ -57,6 +58,12 @@ class ToleranceStudy:
     shifts: np.ndarray
     values: dict[str, np.ndarray]
     spreads: tuple[FigureScatter, ...]
+
+    @property
+    def chance_share(self) -> float:
+        """The r² that a length without influence exceeds in one study of twenty, by Student's t."""
+        freedom = len(self.shifts) - 2
+        return float((t := stdtrit(freedom, 0.975)) ** 2 / (freedom + t**2)) if freedom > 0 else 1.0
 
 
 class _MachineFigures(NamedTuple):

@@ -11,8 +11,8 @@ from screwsim.inputs.arguments import NUMBER, as_list, checked_arguments
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.results.read import STAGES
-from screwsim.scene.fields import leaf_paths, unknown_key
-from screwsim.scene.units import ZERO_CELSIUS, refused_at
+from screwsim.scene.fields import Leaf, leaf_paths, unknown_key
+from screwsim.scene.units import ZERO_CELSIUS, readable_quantity, refused_at
 from screwsim.scene.values import convert
 from screwsim.study.maps.performance_map import PerformanceMap, performance_maps, temperature_paths
 from screwsim.study.maps.short_names import short_name
@@ -40,13 +40,14 @@ def evaluate_map(
 ) -> dict[str, float]:
     """Return figures [SI] of a sweep's map at evaporating and condensing temperature [K].
 
-    If the sweep has other axes, `others` gives their values [SI] by the last word of their paths (speed=309.0), of
-    two stages in series with the stage in front where both have such an input (second_speed=136.0). Raises UsageError
-    outside the envelope, where the polynomial does not hold.
+    If the sweep has other axes, `others` gives their values [SI], or texts with units, by the last word of their paths
+    (speed=309.0, speed="2950 rpm"), of two stages in series with the stage in front where both have such an input
+    (second_speed=136.0). Raises UsageError outside the envelope, where the polynomial does not hold.
     """
     of = results if isinstance(results, Results) else open_results(results)
     maps = performance_maps(of, tuple(as_list(figures)))
-    asked = {_axis(of, name): value for name, value in others.items()}
+    named = {_axis(of, name): value for name, value in others.items()}
+    asked = {path: _value(path, value) if isinstance(value, str) else value for path, value in named.items()}
     return dict(evaluated_at(maps, (evaporating_temperature, condensing_temperature), asked).figures)
 
 
@@ -66,7 +67,7 @@ def evaluated_at(
 ) -> MapPoint:
     """Return the one map selected by values [SI] of its other axes at both temperatures [K]; raise UsageError."""
     T_e, T_c = map(float, temperatures)
-    within = [shown_name(path) for path in asked if path not in maps[0].values]
+    within = [axis_name(path) for path in asked if path not in maps[0].values]
     if within:
         raise UsageError(f"{within[0]} varies together with a temperature in this sweep (leave it out)")
     fitting = [one for one in maps if all(_is_same_value(one.values[path], value) for path, value in asked.items())]
@@ -94,26 +95,36 @@ def _is_same_value(own: Any, asked: Any) -> bool:
 def _choose(maps: Sequence[PerformanceMap], fitting: Sequence[PerformanceMap]) -> str:
     """Return the message that no map has the requested values, or that several do, with the maps available."""
     paths = list(maps[0].values)
-    there = [", ".join(f"{path} = {_digits(one.values[path])}" for path in paths) for one in maps]
-    which = f"there are maps at {'; '.join(there)} in SI units"
+    which = f"there are maps at {'; '.join(place_in_words(one.values) for one in maps)}"
     if fitting:
-        names = " and ".join(map(shown_name, paths))
+        names = " and ".join(map(axis_name, paths))
         return f"there are {len(fitting)} maps of it (state {names} as well, e.g. {_stated(fitting[0])}; {which})"
     return f"there is no map for it ({which})"
 
 
 def _stated(one: PerformanceMap) -> str:
-    """Return the values [SI] of a map's other axes as they are asked for: 'position=0'."""
-    return ", ".join(f"{shown_name(path)}={_digits(value)}" for path, value in one.values.items())
+    """Return the values of a map's other axes as they are asked for: 'position=0'."""
+    return ", ".join(f"{axis_name(path)}={_shown_value(path, value)}" for path, value in one.values.items())
 
 
-def shown_name(path: str) -> str:
+def place_in_words(values: Mapping[str, Any]) -> str:
+    """Return values [SI] of a map's other axes with their units: 'operation.speed = 2950 rpm'."""
+    return ", ".join(f"{path} = {_shown_value(path, value)}" for path, value in values.items())
+
+
+def _shown_value(path: str, value: Any) -> str:
+    """Return a value [SI] of a path in its customary unit; a temperature in degC."""
+    leaf = _leaf(path)
+    if isinstance(value, str) or leaf is None or leaf.dimension is None:
+        return value if isinstance(value, str) else f"{float(value):.10g}"
+    if leaf.dimension.name == "temperature":
+        return f"{float(value) - ZERO_CELSIUS:.10g} degC"
+    return readable_quantity(leaf.dimension, float(value))
+
+
+def axis_name(path: str) -> str:
     """Return the last word of a path; of two stages the short name, as both may have that word."""
     return short_name(path) if path.startswith(STAGES) else path.rpartition(".")[2]
-
-
-def _digits(value: Any) -> str:
-    return value if isinstance(value, str) else f"{float(value):.10g}"
 
 
 def _axis(results: Results, name: str) -> str:
@@ -128,7 +139,7 @@ def _axis(results: Results, name: str) -> str:
         return same[0]
     if same:
         raise UsageError(f"{name} is short for {' and for '.join(same)} (write the one that is meant in full)")
-    options = paths if "." in name else [shown_name(path) for path in paths]
+    options = paths if "." in name else [axis_name(path) for path in paths]
     one_of = f"one of {', '.join(options)}"
     raise UsageError(f"{name} {unknown_key(name, options, one_of)}")
 
@@ -143,7 +154,7 @@ def _read(results: Results, text: str) -> tuple[tuple[float, float], dict[str, A
         path = _axis(results, name)
         if path in asked:
             raise UsageError(f"{name} is given twice (remove one)")
-        asked[path] = _value(path, value, bool(results.stages))
+        asked[path] = _value(path, value)
     both = temperature_paths(bool(results.stages))
     missing = [path for path in both if path not in asked]
     if missing:
@@ -152,17 +163,22 @@ def _read(results: Results, text: str) -> tuple[tuple[float, float], dict[str, A
     return (T_e, T_c), asked
 
 
-def _value(path: str, text: str, two: bool) -> Any:
-    """Return a value [SI] of an axis, of two stages with its stage before the path; a text where it is no number."""
-    known = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
-    if two:
-        from screwsim.study.stages.axes import BETWEEN, LEAVES
-
-        known = {f"{stage}.{name}": leaf for stage in STAGES for name, leaf in known.items()}
-        known |= {f"{BETWEEN}.{name}": leaf for name, leaf in LEAVES.items()}
-    leaf = known.get(path)
+def _value(path: str, text: str) -> Any:
+    """Return a value [SI] of an axis; a text where it is no number."""
+    leaf = _leaf(path)
     try:
         with refused_at(path):
             return convert(leaf, text) if leaf is not None and leaf.dimension is not None else float(text)
     except ValueError:
         return text  # a word, such as a fluid
+
+
+def _leaf(path: str) -> Leaf | None:
+    """Return the input at a path, of two stages with its stage before it; None for an effect of a user's own."""
+    known = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
+    of, _, inner = path.partition(".")
+    if of in STAGES:
+        return known.get(inner)
+    from screwsim.study.stages.axes import BETWEEN, LEAVES
+
+    return LEAVES.get(inner) if of == BETWEEN else known.get(path)

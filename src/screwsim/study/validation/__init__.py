@@ -13,6 +13,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
+from shlex import quote
 from traceback import extract_tb
 from types import ModuleType
 from typing import Any
@@ -109,7 +110,7 @@ def run_sources(
     known = names_of(folder)
     for name in names:
         if name not in known and Path(name).suffix in (".yaml", ".yml"):
-            told = f"screwsim run {name} simulates a scene, screwsim calibrate {name} fits one"
+            told = f"screwsim run {quote(name)} simulates a scene, screwsim calibrate {quote(name)} fits one"
             what = "is a file, but a source is named, not a file"
             raise UsageError(f"{name}: {what} ({told}; known: {', '.join(known)})")
         if name not in known:
