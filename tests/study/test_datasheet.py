@@ -10,7 +10,8 @@ import pytest
 
 import screwsim
 from screwsim.cli import exit_code
-from screwsim.effects.parts.rating import CFM, STANDARDS, isentropic_power
+from screwsim.effects.parts.rating import STANDARDS, isentropic_power
+from screwsim.outputs.us_units import CFM
 from screwsim.report.datasheet import page, ticks
 from screwsim.study.datasheet import Sheet
 from screwsim.study.datasheet.air_rating import rating

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from screwsim.build import build_gas
+from screwsim.outputs.customary import RPM
 from screwsim.scene import load
-from screwsim.study.claims import RPM, Claim, DisplacementCurve, PumpCurves, claims, read_displacement, read_pump
+from screwsim.study.claims import Claim, DisplacementCurve, PumpCurves, claims, read_displacement, read_pump
 from screwsim.study.sweep.run import run_sweep
 from screwsim.study.validation import Comparison, Panel, Row, Series, equal, read_table, sibling, solved, trend
 

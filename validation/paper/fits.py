@@ -11,9 +11,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.outputs.customary import RPM
 from screwsim.scene import Scene, load, with_values
 from screwsim.simulate import simulate_many
-from screwsim.study.claims import RPM, Optimum, curve_optimum, value_at
+from screwsim.study.claims import Optimum, curve_optimum, value_at
 from screwsim.study.validation import Row, Series, read_table, sibling, trend
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -52,7 +52,7 @@ def plot(
     if measured is None:
         options.print_files(drawn(results_file, folder))
         return
-    from screwsim.printing.tables import wrapped
+    from screwsim.printing.tables import print_text
     from screwsim.report.indicated import at_angles, deviation_in_words, read_indicated, shift_in_words
     from screwsim.report.trace import chosen_trace
     from screwsim.results import open_results
@@ -67,10 +67,10 @@ def plot(
         raise UsageError(f"{results_file}: holds no cycle to compare ({remedy})")
     points = at_angles(read, trace)
     files = drawn(results_file, folder, points)
-    say(wrapped(deviation_in_words(points, trace)))
+    print_text(deviation_in_words(points, trace))
     shift = shift_in_words(points, trace)
     if shift:
-        say(wrapped(shift))
+        print_text(shift)
     options.print_files(files)
 
 

@@ -1,6 +1,5 @@
 """Commands on a machine as it is sold: its data sheet, and its start by its drive."""
 
-import math
 import re
 import sys
 from collections.abc import Callable, Iterator
@@ -12,8 +11,8 @@ from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
 from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, SCENE_FILE, WITHOUT
 from screwsim.inputs.faults import Interrupted, UsageError
+from screwsim.outputs.customary import RPM
 
-RPM = math.pi / 30.0
 LEAST_CREEP = 0.1  # [rpm] slowest start
 
 

@@ -65,13 +65,13 @@ def new(
         variable=variable_speed,
     )
     if asked.by_sheet:
-        from screwsim.printing.tables import wrapped
+        from screwsim.printing.tables import print_text
         from screwsim.study.sizing import performance_lines, sized_machine
 
         found = sized_machine(kind, asked)
         text = found.text
         for line in performance_lines(asked, found):
-            say(wrapped(line), err=output is None)  # to stderr where the scene itself goes to the screen
+            print_text(line, err=output is None)  # to stderr where the scene itself goes to the screen
     else:
         text = new_scene(kind, asked)
         if asked.economizer:

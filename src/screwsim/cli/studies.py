@@ -126,7 +126,7 @@ def sensitivity(
     if places:
         raise UsageError(f"{places[0]}: has no range (write --path PATH=LOW..HIGH, or add --local)")
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
-    from screwsim.printing.tables import wrapped
+    from screwsim.printing.tables import print_text
     from screwsim.study.asked.inputs import efficiency_note
     from screwsim.study.asked.spans import read_ranges
     from screwsim.study.uncertainty.sobol import check_samples, cost_in_words, usual_samples
@@ -140,7 +140,7 @@ def sensitivity(
     if not names and (told := efficiency_note(scene)):
         typer.echo(f"sensitivity: {told}", err=True)
     if sys.stderr.isatty():
-        say(wrapped(f"sensitivity: {cost_in_words(len(ranges), samples)}"), err=True)
+        print_text(f"sensitivity: {cost_in_words(len(ranges), samples)}", err=True)
     with options.counted_progress("sensitivity", "solutions") as shown:
         found = studied(scene, ranges, names, samples=samples, seed=seed, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, sensitivity_document, print_sensitivity, scene, found)
@@ -238,7 +238,7 @@ def calibrate(
         protect_other_samples,
         write_posterior,
     )
-    from screwsim.printing.tables import wrapped
+    from screwsim.printing.tables import print_text
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
     from screwsim.study.calibration import cost_in_words, read_fit
@@ -252,7 +252,7 @@ def calibrate(
         if posterior or asked:
             protect_other_samples(folder)
     if sys.stderr.isatty():
-        say(wrapped(f"calibrate: {cost_in_words(fit)}"), err=True)
+        print_text(f"calibrate: {cost_in_words(fit)}", err=True)
     try:
         found = calibrated(fit, jobs=jobs, progress=options.progress_bar("calibrate"))
     except Interrupted as pressed:

@@ -13,8 +13,8 @@ from screwsim.figures.engineering import figure_unit, shown_name
 from screwsim.fluid.constants import gas_constant
 from screwsim.fluid.settings import GasSettings
 from screwsim.outputs import PERFORMANCE, Figure
-from screwsim.outputs.customary import ZERO_CELSIUS
-from screwsim.outputs.us_units import BTU, CUBIC_FOOT, FOOT, GALLON, HORSEPOWER, POUND, POUND_FORCE, PSI
+from screwsim.outputs.customary import RPM, ZERO_CELSIUS
+from screwsim.outputs.us_units import BTU, CFM, FOOT, GALLON, HORSEPOWER, INCH, POUND, POUND_FORCE, PSI
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder, write_csv
 from screwsim.results.protection import protect_other_heads
@@ -50,7 +50,7 @@ IN_METRIC = {  # SI unit: factor, unit
     "h": (1.0 / 3600.0, "h"),  # from s
     "kg m-3": (1.0, "kg/m3"),
     "rad": (180.0 / np.pi, "deg"),
-    "rad s-1": (30.0 / np.pi, "rpm"),
+    "rad s-1": (1.0 / RPM, "rpm"),
     "W s m-3": (1e-3 / 60.0, "kW/(m3/min)"),
     "J m-3": (1e-3, "kJ/m3"),
     KELVIN: (1.0, "K"),
@@ -60,10 +60,10 @@ IN_US = {
     "J": (1.0 / (FOOT * POUND_FORCE), "ft lbf"),
     "N": (1.0 / POUND_FORCE, "lbf"),
     "N m": (1.0 / (FOOT * POUND_FORCE), "lbf ft"),
-    "m": (12.0 / FOOT, "in"),
-    "m2": ((12.0 / FOOT) ** 2, "in2"),
-    "m3": ((12.0 / FOOT) ** 3, "in3"),
-    "m3 s-1": (60.0 / CUBIC_FOOT, "cfm"),
+    "m": (1.0 / INCH, "in"),
+    "m2": (1.0 / INCH**2, "in2"),
+    "m3": (1.0 / INCH**3, "in3"),
+    "m3 s-1": (1.0 / CFM, "cfm"),
     "L min-1": (60.0 / GALLON, "gpm"),
     "m s-1": (1.0 / FOOT, "ft/s"),
     "Pa": (1.0 / PSI, "psia"),
@@ -72,11 +72,11 @@ IN_US = {
     "kg": (1.0 / POUND, "lb"),
     "kg s-1": (3600.0 / POUND, "lb/h"),
     "h": (1.0 / 3600.0, "h"),
-    "kg m-3": (CUBIC_FOOT / POUND, "lb/ft3"),
+    "kg m-3": (FOOT**3 / POUND, "lb/ft3"),
     "rad": (180.0 / np.pi, "deg"),
-    "rad s-1": (30.0 / np.pi, "rpm"),
-    "W s m-3": (100.0 * CUBIC_FOOT / 60.0 / HORSEPOWER, "hp/(100 cfm)"),
-    "J m-3": (CUBIC_FOOT / BTU, "Btu/ft3"),
+    "rad s-1": (1.0 / RPM, "rpm"),
+    "W s m-3": (100.0 * CFM / HORSEPOWER, "hp/(100 cfm)"),
+    "J m-3": (FOOT**3 / BTU, "Btu/ft3"),
     KELVIN: (FAHRENHEIT, "F diff"),
 }
 FLOW, DISPLACED, LAMBDA = "gas_mass_flow", "displacement_flow", "volumetric_efficiency"
@@ -144,7 +144,7 @@ def _volume_flows(results: Results, units: str) -> Iterator[CaseColumn]:
     if units == SI or not {FLOW, DISPLACED, LAMBDA} <= set(results.figures):
         return
     drawn = (results.performance[LAMBDA] * results.performance[DISPLACED]).ravel()
-    name, factor = ("acfm", 60.0 / CUBIC_FOOT) if units == US else ("m3/h", 3600.0)
+    name, factor = ("acfm", 1.0 / CFM) if units == US else ("m3/h", 3600.0)
     yield CaseColumn("inlet flow", name, factor * drawn)
     if any(path.startswith("gas.") for path in results.varied):
         return
@@ -153,7 +153,7 @@ def _volume_flows(results: Results, units: str) -> Iterator[CaseColumn]:
     fluid = GasSettings(**{key: gas.get(key) for key in ("fluid", "mass_fractions", "mole_fractions")}).name
     wet = results.performance[HUMIDITY] if HUMIDITY in results.figures else 0.0
     flow = (results.performance[FLOW] / (1.0 + wet)).ravel() * gas_constant(fluid) * T / p  # [m³/s], without the water
-    name, factor = ("MMSCFD", 86400e-6 / CUBIC_FOOT) if units == US else ("Nm3/h", 3600.0)
+    name, factor = ("MMSCFD", 86400e-6 / FOOT**3) if units == US else ("Nm3/h", 3600.0)
     yield CaseColumn("standard flow", name, factor * flow)
 
 

@@ -19,7 +19,7 @@ from screwsim.scene import Scene
 from screwsim.scene.grid import joints_of
 from screwsim.scene.operation import QUALITY, SUBCOOLING, SUPERHEAT
 from screwsim.study.asked.varied import Varied, value_at
-from screwsim.study.maps.map_points import place_in_words, shown_name
+from screwsim.study.maps.map_points import axis_name, place_in_words
 from screwsim.study.maps.performance_map import (
     FORMULA,
     PerformanceMap,
@@ -58,7 +58,7 @@ class Polynomials:
 
     def name(self, one: PerformanceMap) -> str:
         """Return what distinguishes a map from the others, as part of a name: 'speed_308.923'."""
-        return "_".join(f"{shown_name(path)}_{value:.6g}" for path, value in one.values.items())
+        return "_".join(f"{axis_name(path)}_{value:.6g}" for path, value in one.values.items())
 
     def titled(self, one: PerformanceMap, alone: str) -> str:
         """Return the name of a map and where it is, with units: 'speed_308.923 (operation.speed = 2950 rpm)'."""

@@ -43,6 +43,12 @@ def figure_unit(figure: Figure, size: float) -> tuple[float, str]:
     return next(((f, u) for least, f, u in figure_scales(figure) if abs(size) >= least), (1.0, figure.units))
 
 
+def difference_unit(figure: Figure, size: float) -> tuple[float, str]:
+    """Return the factor and unit in which people write a difference of a figure of a size [SI]: points for a share."""
+    factor, unit = figure_unit(figure, size)
+    return factor, "points" if unit == "%" else unit
+
+
 def reading_unit(figure: Figure, size: float) -> tuple[float, str, float]:
     """Return factor and unit in which people read a figure of a given size [SI], and the offset taken off: °C for K."""
     return (1.0, "°C", ZERO_CELSIUS) if figure.units == "K" else (*figure_unit(figure, size), 0.0)

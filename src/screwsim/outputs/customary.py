@@ -4,6 +4,7 @@ import math
 import re
 
 ZERO_CELSIUS = 273.15  # [K]
+RPM = math.pi / 30.0  # [rad/s]
 # SI unit -> (smallest size, factor, unit), largest size first
 SCALES = {
     "W": ((1e3, 1e-3, "kW"), (0.0, 1.0, "W")),
@@ -17,7 +18,7 @@ SCALES = {
     "L min-1": ((0.0, 60000.0, "L/min"),),
     "kelvin": ((0.0, 1.0, "K"),),
     "rad": ((0.0, 180.0 / math.pi, "°"),),
-    "rad s-1": ((0.0, 30.0 / math.pi, "rpm"),),
+    "rad s-1": ((0.0, 1.0 / RPM, "rpm"),),
     "Pa": ((0.0, 1e-5, "bar"),),
     "kg": ((0.1, 1.0, "kg"), (0.0, 1e3, "g")),
     "kg s-1": ((0.0, 1.0, "kg/s"),),

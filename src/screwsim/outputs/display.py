@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from typing import Any, NamedTuple, TypeVar
 
@@ -99,6 +99,24 @@ def picked(record: object, *names: str, **renamed: str) -> dict[str, Any]:
     plain = {key: getattr(record, name) for key, name in (dict(zip(names, names, strict=True)) | renamed).items()}
     plain |= {name: dict(value) for name, value in plain.items() if isinstance(value, Mapping)}
     return plain | {name: list(value) for name, value in plain.items() if type(value) is tuple}
+
+
+# words of a path that stand for it, fewest first
+_SHORTENED: tuple[Callable[[list[str]], list[str]], ...] = (
+    lambda words: words[-1:],
+    lambda words: words[-2:],
+    lambda words: [words[0], words[-1]],
+)
+
+
+def distinct_words(paths: Iterable[str]) -> list[list[str]]:
+    """Return the words that tell paths apart: the last, else the last two, the first (a stage) and last, or all."""
+    every, found = [path.split(".") for path in paths], []
+    for own in every:
+        alike = [each for each in every if each[-1] == own[-1]]
+        choice = next((some for some in _SHORTENED if len({tuple(some(each)) for each in alike}) == len(alike)), list)
+        found.append(choice(own))
+    return found
 
 
 def grouped(pairs: Iterable[tuple[Key, Member]]) -> dict[Key, list[Member]]:

@@ -12,7 +12,7 @@ from screwsim.figures.engineering import engineering, shown_name
 from screwsim.outputs import STATUSES, Result, sorted_entries, words_of_effects
 from screwsim.outputs.customary import engineering_temperature, scale, small_number_text, with_printed_units
 from screwsim.outputs.display import grouped, picked
-from screwsim.printing.tables import WIDTH, absent_figures, plain_table, wrapped
+from screwsim.printing.tables import WIDTH, absent_figures, print_table, print_text, print_wrapped
 from screwsim.printing.uncertain import ranges_text, uncertainty_ranges
 from screwsim.results.atomic import write_text
 from screwsim.scene import Scene
@@ -65,22 +65,20 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = (), chang
         first = ": ".join(filter(None, (with_printed_units(title), doubted)))
         console.print(printable(first), style="bold", soft_wrap=bool(doubted))  # always in the first line, however long
     if changed:
-        console.print(wrapped(printable(", ".join(changed))))
-    console.print(wrapped(printable(f"status: {_status_line(result)}")))
-    for warning in result.warnings:
-        console.print(wrapped(printable(f"warning: {warning}")))
+        print_text(", ".join(changed))
+    print_text(f"status: {_status_line(result)}")
+    print_wrapped(f"warning: {warning}" for warning in result.warnings)
     if result.performance:
-        console.print()
+        say()
         console.print(_table(result))
     if result.ledger:
-        console.print()
+        say()
         console.print(_ledger(result.ledger))
     if result.knock_out:
-        console.print()
-        console.print("\n".join(_knock_out(result.knock_out)))
-    console.print()
-    for line in (*_remarks(result), *left_out):
-        console.print(wrapped(printable(line)))
+        say()
+        _print_knock_out(result.knock_out)
+    say()
+    print_wrapped((*_remarks(result), *left_out))
 
 
 def impossible_figures(result: Result) -> str:
@@ -158,8 +156,8 @@ def _right_table(first: str, *others: str) -> Any:
     return table
 
 
-def _knock_out(costs: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Return the lines on the changes by leaving out each effect; these changes need not add up."""
+def _print_knock_out(costs: Iterable[Mapping[str, Any]]) -> None:
+    """Print the changes by leaving out each effect; these changes need not add up."""
     costs = list(costs)
     cooled = any(cost.get("cop") is not None for cost in costs)
     factor, unit = scale("W", max((abs(cost["shaft_power"] or 0.0) for cost in costs), default=0.0))
@@ -176,7 +174,7 @@ def _knock_out(costs: Iterable[Mapping[str, Any]]) -> list[str]:
             cells[1] = cost["status"].replace("_", " ")
         rows.append(cells)
     heads = ["left out", *(head for _, shown, _ in columns for head in (shown, "change"))]
-    return plain_table(heads, rows, left=1)
+    print_table(heads, rows, left=1)
 
 
 def _remarks(result: Result) -> Iterable[str]:
@@ -264,17 +262,17 @@ def print_sweep(document: Mapping[str, Any], scene: Scene) -> None:
     alike = grouped(((each["status"], each["message"]), where(each["values"])) for each in document["failures"])
     for (status, message), (place, *others) in alike.items():
         others_too = f" and {len(others)} more" if others else ""
-        say(wrapped(printable(f"{status} at {place}{others_too}: {message}")))
+        print_text(f"{status} at {place}{others_too}: {message}")
     more = document["cases"] - document["ok"] - len(document["failures"])
     if more:
         say(f"… and {more} more (see the file)")
     for kind in document["warnings"][:MOST_WARNINGS]:
         first = f"first at {where(kind['values'])}" if kind["cases"] > 1 else f"at {where(kind['values'])}"
         cases = "1 case" if kind["cases"] == 1 else f"{kind['cases']} cases"
-        say(wrapped(printable(f"warning in {cases}, {first}: {kind['warning']}")))
+        print_text(f"warning in {cases}, {first}: {kind['warning']}")
     more = len(document["warnings"]) - MOST_WARNINGS
     if more > 0:
         say(f"… and {more} other kinds of warnings (see the file)")
     if "uncertainty" in document:
-        say(wrapped(printable(f"uncertainty from the inputs alone: {ranges_text(document['uncertainty'])}")))
+        print_text(f"uncertainty from the inputs alone: {ranges_text(document['uncertainty'])}")
     say(f"{counts}, {document['seconds']:.1f} s")

@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import reading_unit, shown_name
+from screwsim.figures.engineering import difference_unit, reading_unit, shown_name
 from screwsim.outputs.customary import digits
 from screwsim.outputs.display import grouped, picked
 from screwsim.printing import write_json
-from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_text, print_wrapped
 from screwsim.report.calibration import residuals_figure
 from screwsim.report.style import write_all
 from screwsim.results.atomic import make_folder, write_text
@@ -117,10 +117,10 @@ def print_calibration(found: Calibration) -> None:
     """Print the parameters, their uncertainty, the residuals, and what the data leave undetermined."""
     print_scene_title(found.fit.title or found.fit.scene.title)
     count = f"{found.solutions} solutions" + (f", {found.failed} without figures" if found.failed else "")
-    say(wrapped(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}, {found.jacobians} Jacobians"))
+    print_text(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}, {found.jacobians} Jacobians")
     print_wrapped(_methods(found))
     if found.message:
-        say(wrapped(f"{found.status}: {found.message}"))
+        print_text(f"{found.status}: {found.message}")
     if not found.values:
         return
     say()
@@ -136,11 +136,11 @@ def print_calibration(found: Calibration) -> None:
         rows = [[*row, cell] for row, cell in zip(rows, tolerances, strict=True)]
     print_table(heads, rows, 1)
     if any(tolerances):
-        say(wrapped(f"{TOLERANCE_REMEDY}: {_HALF_INTERVAL}"))
+        print_text(f"{TOLERANCE_REMEDY}: {_HALF_INTERVAL}")
     print_wrapped(_other_inputs(found))
     for group in found.fit.together:
         paths = ", ".join(found.fit.parameters[i].path for i in group)
-        say(wrapped(f"too large or too small together, by the scene's uncertainty.correlated: {paths}"))
+        print_text(f"too large or too small together, by the scene's uncertainty.correlated: {paths}")
     say()
     say("\n".join(_points(found)))
     say()
@@ -306,8 +306,7 @@ def _panels(found: Calibration) -> dict[str, list[tuple[int, bool, float, float]
     names = _points_shown(found)
     panels: dict[str, list[tuple[int, bool, float, float]]] = {}
     for figure, of in grouped((each.figure, each) for each in found.compared).items():
-        factor, unit, _ = reading_unit(declared(figure), max(abs(each.measured.value) for each in of))
-        unit = {"%": "points", "°C": "K"}.get(unit, unit)
+        factor, unit = difference_unit(declared(figure), max(abs(each.measured.value) for each in of))
         label = f"{shown_name(figure)} ({unit})" if unit else shown_name(figure)
         panels[label] = []
         for each in of:

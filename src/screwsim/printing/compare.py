@@ -12,7 +12,7 @@ from screwsim.figures.engineering import engineering, shown_name
 from screwsim.outputs import Figure
 from screwsim.outputs.customary import printed_celsius
 from screwsim.outputs.display import grouped
-from screwsim.printing.tables import print_table, print_wrapped, wrapped
+from screwsim.printing.tables import print_table, print_text, print_wrapped
 from screwsim.report.overlay import draw_overlay
 from screwsim.report.quantities import short, shown_axis
 from screwsim.results import Results
@@ -46,15 +46,15 @@ def comparison_document(a: Results, b: Results, found: Comparison) -> dict[str, 
 
 def print_comparison(a: Results, b: Results, found: Comparison) -> None:
     """Print points, scenes, statuses and figures."""
-    say(wrapped(f"A: {a.path}"))
-    say(wrapped(f"B: {b.path}"))
+    print_text(f"A: {a.path}")
+    print_text(f"B: {b.path}")
     points = f"{found.common} point{'s' if found.common > 1 else ''} in common"
     for name, count in (("A", found.only_a), ("B", found.only_b)):
         points += f", {count} only in {name}" if count else ""
     say(points)
     if found.compared < found.common:
         some = f"{found.compared} are ok in both files; figures of the others are not compared"
-        say(wrapped(some if found.compared else "none of them is ok in both files, so no figure is compared"))
+        print_text(some if found.compared else "none of them is ok in both files, so no figure is compared")
     if found.scene:
         say()
         rows = [[path, *_shown_pair(one or "-", other or "-")] for path, (one, other) in found.scene.items()]
@@ -83,12 +83,12 @@ def _print_figures(a: Results, b: Results, found: Comparison) -> None:
     text = f"change in % of A, of temperatures in K{', of residuals as it is' if residuals else ''}; error in the same"
     text += " unit: both estimates together, twice which counts as no change"
     text += "; inputs: half of the 95 % interval of the change, if inputs are off alike in both" if toleranced else ""
-    say(wrapped(f"{text}; the point shown has the largest change relative to what is allowed" if many else text))
+    print_text(f"{text}; the point shown has the largest change relative to what is allowed" if many else text)
     far = (figure for figure in found.figures if many and figure.beyond)
     places = grouped((_where(a, figure.at), shown_name(figure.figure)) for figure in far if figure.at)
     for place, names in places.items():
         few = ", ".join(names[:MOST_NAMES]) + (" …" if len(names) > MOST_NAMES else "")
-        say(wrapped(f"largest change{place}: {few}"))
+        print_text(f"largest change{place}: {few}")
 
 
 def _cells(a: Results, b: Results, change: FigureChange) -> list[str]:

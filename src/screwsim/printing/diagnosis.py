@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_text, print_wrapped
 from screwsim.screen import say
 from screwsim.study.asked.inputs import CELSIUS, in_customary, shown_number, shown_value, unit_of_change
 from screwsim.study.calibration.diagnosis import Diagnosis
@@ -56,10 +56,10 @@ def print_diagnosis(found: Diagnosis) -> None:
     figures = sum(len(point.measured) for point in points)
     count = f"{len(points)} points, {figures} measured figures, {found.solutions} solutions"
     count += f", {found.failed} without figures" if found.failed else ""
-    say(wrapped(f"{Path(fit.scene_file).name}; {count}"))
+    print_text(f"{Path(fit.scene_file).name}; {count}")
     print_left_out(found.reasons)
     if not found.hypotheses:
-        say(wrapped(f"{found.status}: {found.message}"))
+        print_text(f"{found.status}: {found.message}")
         return
     say()
     heads = ["what changed", "probable", "by", f"{INTERVAL_LEVEL:.0%} interval", "now", "", "misfit"]

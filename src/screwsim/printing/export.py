@@ -8,7 +8,7 @@ from screwsim.export.inputs import plain
 from screwsim.export.loads import ExportedLoads, document, unit_of
 from screwsim.export.map_table import MapTable
 from screwsim.outputs import Result
-from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import print_scene_title, print_table, print_text, print_wrapped
 from screwsim.screen import say
 from screwsim.study.maps.map_points import place_in_words
 
@@ -35,8 +35,8 @@ def print_map(table: MapTable, files: Sequence[str]) -> None:
     errors = zip(table.outputs, table.errors, strict=True)
     rows = [[each.name, plain(each.units), _percent(error)] for each, error in errors]
     print_table(["output", "unit", "error"], rows, 1)
-    say(wrapped(f"errors: {table.how}; of temperatures, over 100 K"))
-    say(wrapped(f"{table.cases} cases{_open_nodes(table)}"))
+    print_text(f"errors: {table.how}; of temperatures, over 100 K")
+    print_text(f"{table.cases} cases{_open_nodes(table)}")
     print_wrapped(table.warnings_told())
     say("\n".join(files))
 
@@ -56,7 +56,7 @@ Errors = Sequence[tuple[Mapping[str, float], Sequence[float]]]  # values of the 
 
 def print_polynomials(document: Mapping[str, Any], figures: Sequence[str], rows: Errors, files: Sequence[str]) -> None:
     """Print the largest error of each polynomial, one row per map, and the files."""
-    say(wrapped(f"{document['title']} ({document['fluid']})"))
+    print_text(f"{document['title']} ({document['fluid']})")
     body = [[place_in_words(at) or "map", *map(_percent, errors)] for at, errors in rows]
     print_table(["largest error", *(name.replace("_", " ") for name in figures)], body, 1)
     say("\n".join(files))
@@ -70,7 +70,7 @@ def loads_document(found: ExportedLoads, result: Result, files: Sequence[str]) -
 def print_loads(found: ExportedLoads, result: Result, files: Sequence[str]) -> None:
     """Print mean and first harmonics of each curve, and the files."""
     print_scene_title(found.title or "loads")
-    say(wrapped(f"status: {result.told if result.message else result.status}; lobe frequency {found.frequency:.5g} Hz"))
+    print_text(f"status: {result.told if result.message else result.status}; lobe frequency {found.frequency:.5g} Hz")
     rows = [
         [name, unit_of(name), *(f"{each.amplitude:.4g}" for each in spectrum[:4])]
         for name, spectrum in found.spectra.items()

@@ -8,11 +8,12 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import error_text, figure_text, shown_name
 from screwsim.outputs.customary import with_printed_units
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_text, print_wrapped
 from screwsim.printing.uncertain import by_inputs_line
 from screwsim.scene.grid import unit_of
 from screwsim.screen import say
 from screwsim.study.asked.inputs import shown_value, unit_of_change
+from screwsim.study.asked.spans import BORDER_MARKS
 from screwsim.study.asked.varied import Varied, leaf_of
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.seek import VALUE_DIGITS, GoalSeekAnswer, Question
@@ -55,9 +56,9 @@ def print_find(scene: Varied, asked: Question, rows: Sequence[GoalSeekAnswer]) -
     print_scene_title(scene.title)
     for span in asked.spans:
         low, high = (shown_value(scene, span.path, end) for end in (span.low, span.high))
-        say(wrapped(f"{span.path}, {low} … {high}"))
+        print_text(f"{span.path}, {low} … {high}")
     wanted = (f"{shown_name(goal.figure)} {figure_text(goal.figure, goal.value)}" for goal in asked.goals)
-    say(wrapped(f"for {' and '.join(wanted)}"))
+    print_text(f"for {' and '.join(wanted)}")
     say()
     if len(rows) == 1:
         _print_one(scene, asked, rows[0])
@@ -84,7 +85,7 @@ def _cells(scene: Varied, asked: Question, paths: Sequence[str], row: GoalSeekAn
     ok = row.status == "ok"
     for span in asked.spans:
         shown = shown_value(scene, span.path, row.values[span.path], 5) if row.values else ""
-        mark = {"lower border": " <", "upper border": " >"}.get(row.borders.get(span.path, ""), "")
+        mark = BORDER_MARKS[row.borders.get(span.path, "")]
         cells.append((shown + mark) if ok else row.status)
         if len(asked.spans) == 1:
             cells.append(_difference_text(scene, span.path, row.uncertainties.get(span.path)) if ok else "")
@@ -131,7 +132,7 @@ def _print_size(scene: Varied, asked: Question, row: GoalSeekAnswer) -> None:
     path, goal = asked.spans[0].path, asked.goals[0]
     over = f"{100.0 * (row.size.figure / goal.value - 1.0):+.1f} %" if declared(goal.figure).units != "K" else ""
     gives = f"{shown_name(goal.figure)} {figure_text(goal.figure, row.size.figure)}"
-    say(wrapped(f"next size of the catalogue: {shown_value(scene, path, row.size.value)}, {gives} {over}".rstrip()))
+    print_text(f"next size of the catalogue: {shown_value(scene, path, row.size.value)}, {gives} {over}".rstrip())
 
 
 def _value(scene: Varied, asked: Question, path: str, row: GoalSeekAnswer) -> str:

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from screwsim.figures.engineering import figure_text, shown_name
+from screwsim.outputs.customary import RPM
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import WIDTH, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import WIDTH, print_scene_title, print_table, print_text, print_wrapped, wrapped
 from screwsim.results.atomic import protect_others, write_csv
 from screwsim.screen import say
 
@@ -20,12 +21,11 @@ if TYPE_CHECKING:
     from screwsim.study.tolerance import ToleranceStudy
 
 TRACES = "startup.csv"
-RPM = 30.0 / math.pi
 FIGURE_ROWS = (
     ("time", "s", 1.0),
     ("turns", "", 1.0),
-    ("end_speed", "rpm", RPM),
-    ("steady_speed", "rpm", RPM),
+    ("end_speed", "rpm", 1.0 / RPM),
+    ("steady_speed", "rpm", 1.0 / RPM),
     ("coupling_torque_peak", "N m", 1.0),
     ("coupling_torque_peak_time", "s", 1.0),
     ("coupling_torque_lowest", "N m", 1.0),
@@ -45,7 +45,7 @@ FIGURE_ROWS = (
 def print_startup(title: str, found: StartUp) -> None:
     """Print the figures of a start-up."""
     print_scene_title(title)
-    say(wrapped(f"status: {found.status}{f', {found.message}' if found.message else ''}"))
+    print_text(f"status: {found.status}{f', {found.message}' if found.message else ''}")
     print_wrapped(f"warning: {warning}" for warning in found.warnings)
     if found.figures:
         say()
@@ -75,14 +75,14 @@ def print_sheet(sheet: Sheet) -> None:
     for table in sheet.tables:
         say()
         if len(sheet.tables) > 1:
-            say(wrapped(table.title))
+            print_text(table.title)
         print_table(table.heads, table.rows, table.left)
         if table.note:
-            say(wrapped(table.note))
+            print_text(table.note)
     if sheet.verdict is not None:
         what, text, _ = sheet.verdict
         say()
-        say(wrapped(f"{what}: {text}"))
+        print_text(f"{what}: {text}")
     say()
     print_wrapped(sheet.notes)
 
@@ -119,10 +119,10 @@ def print_tolerance(scene: Scene, found: ToleranceStudy) -> None:
         rows.append((shown_name(each.figure), nominal, unit, spread, low, high, *shares))
     shares = (f"{name.replace('_', ' ')} %" for name in found.grades)
     print_table(("figure", "nominal", "", "sd %", "lowest", "highest", *shares), rows, left=1)
-    say(wrapped("sd: standard deviation over the nominal value; last columns: share of the variance (r²)"))
+    print_text("sd: standard deviation over the nominal value; last columns: share of the variance (r²)")
     chance = f"a share below {100.0 * found.chance_share:.0f} % may be chance"
-    say(wrapped(f"of {len(found.shifts)} machines {chance}: one length in twenty without influence has more"))
+    print_text(f"of {len(found.shifts)} machines {chance}: one length in twenty without influence has more")
     if found.hits:
-        say(wrapped(f"{found.hits} of {found.count} machines: the piston hits the head (not simulated)"))
+        print_text(f"{found.hits} of {found.count} machines: the piston hits the head (not simulated)")
     if found.failed:
-        say(wrapped(f"{found.failed} of {found.count} machines: {found.message}"))
+        print_text(f"{found.failed} of {found.count} machines: {found.message}")

@@ -3,12 +3,12 @@
 from collections.abc import Iterator
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import reading_unit, shown_name
+from screwsim.figures.engineering import difference_unit, reading_unit, shown_name
 from screwsim.outputs import Result
-from screwsim.printing.tables import plain_table, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import plain_table, print_table, print_text, print_wrapped
 from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE
-from screwsim.screen import printable, say
+from screwsim.screen import say
 from screwsim.study.asked.inputs import shown_number, shown_value, unit_of_change
 from screwsim.study.asked.varied import Varied
 from screwsim.study.uncertainty.measured import AGREEMENT_LIMIT, ComparedFigure, Comparison, Explanation
@@ -24,13 +24,13 @@ def print_measured(scene: Varied, result: Result, found: Comparison) -> None:
         say("\n".join(table[:-count]))
         for line, row in zip(table[-count:], found.rows, strict=True):
             say(line)
-            say(wrapped(f"    {_uncertainty_parts(scene, result, row)}"))
+            print_text(f"    {_uncertainty_parts(scene, result, row)}")
     for name, why in found.none.items():
-        say(wrapped(printable(f"no {shown_name(name)} to compare: {why}")))
+        print_text(f"no {shown_name(name)} to compare: {why}")
     if found.rows:
         print_wrapped(_verdict(scene, found))
     if found.why and found.why != "nothing to explain":
-        say(wrapped(printable(found.why)))
+        print_text(found.why)
     if found.explanations:
         say()
         _print_explanations(scene, found)
@@ -51,8 +51,7 @@ def _row(result: Result, row: ComparedFigure) -> list[str]:
 
 def _uncertainty_parts(scene: Varied, result: Result, row: ComparedFigure) -> str:
     """Return the three uncertainties of the scene's own figure, separately."""
-    factor, unit, _ = reading_unit(declared(row.figure, result.performance), row.value)
-    unit = {"%": "points", "°C": "K"}.get(unit, unit)
+    factor, unit = difference_unit(declared(row.figure, result.performance), row.value)
     inputs = f"inputs ± {factor * COVERAGE * row.inputs:.2g}" if tolerances_of(scene).uncertain else "inputs not stated"
     model = "model not stated"
     if row.model is not None:
@@ -99,14 +98,14 @@ def _print_explanations(scene: Varied, found: Comparison) -> None:
             cells.append("" if each.tolerances is None else f"{each.tolerances:+.2g}")
         rows.append([*cells, f"{100.0 * shown[each.path]:.0f} %"])
     if not rows:  # those that were solved are all dismissed
-        say(wrapped(f"{len(found.explanations)} would explain it alone by derivatives, not solved (--json)"))
+        print_text(f"{len(found.explanations)} would explain it alone by derivatives, not solved (--json)")
         return
     print_table(heads, rows, 1)
     more = len(found.explanations) - len(shown)
     lines = [f"and {more} more by derivatives alone (--json)"] if more > 0 else []
     by = "their standard uncertainties" if found.weighted else "what was measured"
     lines.append(f"leaves: share of the squared differences over {by} that remains when the scene is solved there")
-    say(wrapped("; ".join(lines)))
+    print_text("; ".join(lines))
 
 
 def _change(scene: Varied, each: Explanation) -> str:

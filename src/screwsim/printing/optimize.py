@@ -6,14 +6,14 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import error_text, figure_text, figure_unit, shown_name
+from screwsim.figures.engineering import difference_unit, error_text, figure_text, shown_name
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_text, print_wrapped
 from screwsim.printing.uncertain import by_inputs_line
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
 from screwsim.study.asked.inputs import shown_number, shown_value
-from screwsim.study.asked.spans import LOWER, UPPER, border_note
+from screwsim.study.asked.spans import BORDER_MARKS, border_note, idle_note
 from screwsim.study.optimize import EquallyGoodRange, Optimum
 from screwsim.study.seek import VALUE_DIGITS
 
@@ -74,20 +74,20 @@ def print_optimize(found: Optimum) -> None:
     ends = {span.path: (span.low, span.high) for span in asked.spans}
     shown = {path: [shown_value(asked.scene, path, end) for end in both] for path, both in ends.items()}
     ranges = ", ".join(f"{path} {low} … {high}" for path, (low, high) in shown.items())
-    say(wrapped(f"{' and '.join(senses)}{over}, varying {ranges}"))
+    print_text(f"{' and '.join(senses)}{over}, varying {ranges}")
     for bound in asked.bounds:
-        say(wrapped(f"subject to {shown_name(bound.figure)} {bound.sign} {figure_text(bound.figure, bound.value)}"))
+        print_text(f"subject to {shown_name(bound.figure)} {bound.sign} {figure_text(bound.figure, bound.value)}")
     print_wrapped(asked.points.told)
     say()
     if found.status != "ok":
-        say(wrapped(found.message))
+        print_text(found.message)
     elif len(asked.aims) == 1:
         _print_best(found)
     else:
         _print_front(found)
     for count, text in kinds_of(found.warnings.values()):
         of_front = "" if len(found.front) == 1 else f" in {count} of the {len(found.front)}"
-        say(wrapped(f"warning{of_front}: {text}"))
+        print_text(f"warning{of_front}: {text}")
     say()
     print_wrapped(_counts(found))
 
@@ -98,7 +98,7 @@ def _print_best(found: Optimum) -> None:
     rows = []
     for path, value in found.values.items():
         reach = found.reach[path]
-        mark = {LOWER: " <", UPPER: " >"}.get(reach.border, "")
+        mark = BORDER_MARKS[reach.border]
         rows.append([path, shown_value(asked.scene, path, value, VALUE_DIGITS) + mark, _reach(found, path, reach)])
     print_table(["", "best", "as good"], rows, 1)
     value, error = found.aims[row, 0], found.errors[row, 0]
@@ -114,23 +114,23 @@ def _print_best(found: Optimum) -> None:
         _print_points(found)
     for path, reach in found.reach.items():
         if reach.border:
-            say(wrapped(f"{path}: {border_note(reach.border, reach.beyond)}"))
+            print_text(f"{path}: {border_note(reach.border, reach.beyond)}")
         if reach.idle:
-            say(wrapped(f"{path} has hardly any effect: equally good values were found over all of its range"))
+            print_text(idle_note(path))
     for place, height in found.others:
         where = shown_value(asked.scene, asked.spans[0].path, place, 4)
-        say(wrapped(f"another local optimum at {where}: {figure_text(aim.figure, height)}"))
+        print_text(f"another local optimum at {where}: {figure_text(aim.figure, height)}")
 
 
 def _by_inputs(found: Optimum) -> Iterator[str]:
     """Yield how far the inputs' tolerances move the aim and bounded figures of the best, and what has no part in it."""
     for name, spread in found.by_inputs.items():
         value = found.points[0].result.performance[name]
-        factor, unit = figure_unit(declared(name), value)
+        factor, unit = difference_unit(declared(name), value)
         if name != found.asked.aims[0].figure:
             yield f"{shown_name(name)} {figure_text(name, value)}"
         if spread.standard:
-            yield by_inputs_line(f"{factor * spread.expanded:.2g} {'points' if unit == '%' else unit}".strip(), spread)
+            yield by_inputs_line(f"{factor * spread.expanded:.2g} {unit}".strip(), spread)
     if found.message:
         yield found.message
 
@@ -170,7 +170,7 @@ def _print_front(found: Optimum) -> None:
     some = f"{len(picked)} of the {len(front)}" if len(picked) < len(front) else f"the {len(front)}"
     many = "s" if len(front) > 1 else ""
     error = "error: relative, the largest of the aims"
-    say(wrapped(f"{some} evaluation{many} that no other beats in all aims; {error}"))
+    print_text(f"{some} evaluation{many} that no other beats in all aims; {error}")
 
 
 def evenly_spread(aims: np.ndarray, most: int) -> np.ndarray:

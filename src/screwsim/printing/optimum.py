@@ -8,11 +8,11 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, figure_text, shown_name
 from screwsim.outputs.display import grouped
-from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_text, print_wrapped
 from screwsim.scene.grid import unit_of
 from screwsim.screen import say
 from screwsim.study.asked.inputs import shown_number, shown_value
-from screwsim.study.asked.spans import LOWER, UPPER, border_note
+from screwsim.study.asked.spans import BORDER_MARKS, LOWER, UPPER, border_note, idle_note
 from screwsim.study.asked.varied import Varied, leaf_of
 from screwsim.study.best.optimum import Best, Question
 from screwsim.study.columns import Column, write_columns
@@ -41,7 +41,7 @@ def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
     word = "lowest" if asked.minimum else "highest"
     ends = f"{shown_value(scene, asked.path, asked.low)} … {shown_value(scene, asked.path, asked.high)}"
     print_scene_title(scene.title)
-    say(wrapped(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}"))
+    print_text(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}")
     say()
     paths = [path for path in scene.sweep if path != asked.path]
     *heads, sought = column_heads([*paths, asked.path])
@@ -55,7 +55,7 @@ def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
         say()
     print_wrapped(line for note, where in notes.items() for line in _with_places(note, where))
     if any(row.value is not None for row in rows):
-        say(wrapped("as good: range in which the figure is within its estimated error of the best"))
+        print_text("as good: range in which the figure is within its estimated error of the best")
 
 
 def _beside(rows: Sequence[Best]) -> list[str]:
@@ -69,7 +69,7 @@ def _cells(scene: Varied, asked: Question, paths: Sequence[str], row: Best, besi
         return [*head, row.status, "", "", "", *("" for _ in beside), "", str(row.solutions)]
     number, unit = engineering(asked.figure, row.figure)
     low, high = (shown_number(scene, asked.path, end) for end in (row.low, row.high))
-    mark = {LOWER: " <", UPPER: " >"}.get(row.place or "", "")
+    mark = BORDER_MARKS.get(row.place or "", "")
     place = [shown_value(scene, asked.path, row.value, 4) + mark, f"{low} … {high}", f"{number} {unit}".strip()]
     error = f"{row.error / abs(row.figure):.0e}" if row.figure else ""
     others = ["" if (value := row.beside.get(name)) is None else figure_text(name, value) for name in beside]
@@ -89,7 +89,7 @@ def _notes(scene: Varied, asked: Question, row: Best) -> Iterator[str]:
     elif row.beyond:
         yield f"at the edge of the values that have a solution: {row.beyond}"
     if row.place == "anywhere":
-        yield f"{asked.path} has hardly any effect: equally good values were found over all of its range"
+        yield idle_note(asked.path)
     for value, figure in row.others:
         shown = figure_text(asked.figure, figure)
         yield f"another local optimum at {shown_value(scene, asked.path, value, 4)}: {shown}"

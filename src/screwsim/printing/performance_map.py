@@ -7,7 +7,7 @@ from typing import Any
 
 from screwsim.figures.engineering import engineering, shown_name
 from screwsim.printing import write_json
-from screwsim.printing.tables import print_scene_title, print_table, wrapped
+from screwsim.printing.tables import print_scene_title, print_table, print_text
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder
 from screwsim.results.protection import protect_other_json
@@ -47,15 +47,15 @@ def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, 
 def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
     """Print the coefficients of each map with errors and envelope."""
     print_scene_title(results.attributes["title"])
-    say(wrapped(FORMULA))
-    say(wrapped("S evaporating, D condensing temperature in °C; X in the unit of its column"))
-    say(wrapped("left-out error: the largest error at a point of the fit to all others"))
+    print_text(FORMULA)
+    print_text("S evaporating, D condensing temperature in °C; X in the unit of its column")
+    print_text("left-out error: the largest error at a point of the fit to all others")
     if any(ELECTRICAL in each.fits for each in maps) and not any(SHAFT in each.fits for each in maps):
-        say(wrapped("power: electrical power (--figure shaft_power for the power at the shaft)"))
+        print_text("power: electrical power (--figure shaft_power for the power at the shaft)")
     for each in maps:
         say()
         if each.values:
-            say(wrapped(place_in_words(each.values)))
+            print_text(place_in_words(each.values))
         _print_map(results, each)
     _print_warnings(results)
 
@@ -64,7 +64,7 @@ def _print_warnings(results: Results) -> None:
     """Print the warnings of points of the sweep."""
     for kind in warning_kinds(results):
         cases = f"{kind.cases} {'point' if kind.cases == 1 else 'points'}"
-        say(wrapped(f"warning in {cases} of the sweep: {kind.text}"))
+        print_text(f"warning in {cases} of the sweep: {kind.text}")
 
 
 def _units(results: Results, path: str) -> str:
@@ -73,7 +73,7 @@ def _units(results: Results, path: str) -> str:
 
 def _print_map(results: Results, one: PerformanceMap) -> None:
     if one.message:
-        say(wrapped(f"no map: {one.message}"))
+        print_text(f"no map: {one.message}")
         return
     fits = one.fits.values()
     rows = [[name, *(f"{fit.coefficients[i]:.9e}" for fit in fits)] for i, name in enumerate(COEFFICIENT_NAMES)]
@@ -84,8 +84,8 @@ def _print_map(results: Results, one: PerformanceMap) -> None:
     print_table(heads, rows, 1)
     corners = ", ".join(f"({S:g}, {D:g})" for S, D in one.envelope)
     left = f", {one.not_ok} more are not ok" if one.not_ok else ""
-    say(wrapped(f"{one.points} points{left}; condition of the fit {one.condition:.2g}"))
-    say(wrapped(f"envelope (S, D): {corners} °C; the map is not valid outside it"))
+    print_text(f"{one.points} points{left}; condition of the fit {one.condition:.2g}")
+    print_text(f"envelope (S, D): {corners} °C; the map is not valid outside it")
 
 
 def points_document(results: Results, points: Sequence[MapPoint]) -> dict[str, Any]:
@@ -106,7 +106,7 @@ def print_points(results: Results, points: Sequence[MapPoint]) -> None:
         at = " / ".join(f"{round(T - ZERO_CELSIUS, 6):g}" for T in temperatures)
         others = place_in_words(point.values)
         say()
-        say(wrapped(f"evaporating / condensing temperature {at} °C{', ' if others else ''}{others}"))
+        print_text(f"evaporating / condensing temperature {at} °C{', ' if others else ''}{others}")
         rows = [[shown_name(name), *engineering(results.figure(name), value)] for name, value in point.figures.items()]
         say("\n".join(f"{name:<28}{number:>12}  {unit}" for name, number, unit in rows))
     _print_warnings(results)

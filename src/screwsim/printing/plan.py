@@ -10,7 +10,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import figure_unit
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_text, print_wrapped
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, write_csv
 from screwsim.results.protection import first_line
 from screwsim.scene import Scene
@@ -53,10 +53,10 @@ def print_plan(found: Plan) -> None:
     fit = found.fit
     print_scene_title(fit.title or fit.scene.title)
     there = len(fit.fitted)
-    say(wrapped(f"{there} point{'s' * (there != 1)}, {found.candidates} candidates, {found.solutions} solutions"))
+    print_text(f"{there} point{'s' * (there != 1)}, {found.candidates} candidates, {found.solutions} solutions")
     print_left_out(found.reasons)
     if not found.steps:
-        say(wrapped(f"{found.status}: {found.message}"))
+        print_text(f"{found.status}: {found.message}")
         return
     say()
     rows = [[f"{i}", step.point.name, f"{step.gain:.3f}"] for i, step in enumerate(found.steps, 1)]

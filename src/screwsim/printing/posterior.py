@@ -11,7 +11,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import reading_unit, shown_name
 from screwsim.outputs.customary import digits
 from screwsim.outputs.display import grouped, picked
-from screwsim.printing.tables import print_left_out, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import print_left_out, print_table, print_text, print_wrapped
 from screwsim.report.calibration import ParameterSample, pairs_figure
 from screwsim.report.style import write_all
 from screwsim.results.atomic import write_csv
@@ -69,7 +69,7 @@ def print_posterior(fit: Calibration, found: Posterior) -> None:
     """Print the intervals of parameters and discrepancies, the predicted points, and the quality of the chains."""
     say()
     if found.message:
-        say(wrapped(f"posterior {found.status}: {found.message}"))
+        print_text(f"posterior {found.status}: {found.message}")
     if not found.parameters:
         return
     scene = fit.fit.scene
@@ -94,7 +94,7 @@ def print_predictions(found: Predictions) -> None:
     """Print what would be measured at other points, figure by figure, and the sources of its uncertainty."""
     say()
     if found.message:
-        say(wrapped(f"predictions {found.status}: {found.message}"))
+        print_text(f"predictions {found.status}: {found.message}")
     print_left_out(found.reasons)
     rows = []
     for name, of in grouped((figure.figure, figure) for figure in found.figures).items():
@@ -115,7 +115,7 @@ def print_predictions(found: Predictions) -> None:
     if measured:
         say(f"{sum(bool(each.inside) for each in measured)} of {len(measured)} measured inside")
     off = "" if found.off is None else f"; polynomials off by at most {found.off:.2g} uncertainties at draws solved"
-    say(wrapped(f"by …: standard deviations, whose squares add up; {found.solutions} solutions{off}"))
+    print_text(f"by …: standard deviations, whose squares add up; {found.solutions} solutions{off}")
 
 
 def write_predictions(fit: Fit, found: Predictions, folder: Path) -> list[str]:

@@ -5,11 +5,10 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures import declared
-from screwsim.figures.engineering import figure_text, figure_unit, shown_name
-from screwsim.outputs import EFFICIENCY
+from screwsim.figures.engineering import difference_unit, figure_text, shown_name
 from screwsim.outputs.derivatives import DIFFERENCES, PACKAGE_FIGURES
 from screwsim.outputs.display import grouped, picked
-from screwsim.printing.tables import print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import print_scene_title, print_table, print_text, print_wrapped
 from screwsim.results.write import save
 from screwsim.scene import Scene
 from screwsim.screen import say
@@ -48,14 +47,14 @@ def print_sensitivity(scene: Varied, found: Sensitivity) -> None:
     """Print one table per figure, with inputs of the largest total index first."""
     print_scene_title(scene.title)
     samples = f"{found.samples} samples of {len(found.ranges)} input{'s' * (len(found.ranges) > 1)}, seed {found.seed}"
-    say(wrapped(f"{found.solutions} solutions: {samples}"))
+    print_text(f"{found.solutions} solutions: {samples}")
     if found.message:
-        say(wrapped(found.message))
+        print_text(found.message)
     print_wrapped(f"warning in {count} of {found.solutions} solutions: {text}" for count, text in found.warnings)
     spans = {each.path: each for each in found.ranges}
     for shares in found.shares:
         say()
-        say(wrapped(_head(shares)))
+        print_text(_head(shares))
         if not shares.indices:
             continue
         rows = []
@@ -68,7 +67,7 @@ def print_sensitivity(scene: Varied, found: Sensitivity) -> None:
     if any(shares.indices for shares in found.shares):
         say()
         text = f"shares of the variance, ± half the {CONFIDENCE:.0%} confidence interval; total less first order: "
-        say(wrapped(text + "the effect of an input jointly with others"))
+        print_text(text + "the effect of an input jointly with others")
 
 
 def _head(shares: FigureIndices) -> str:
@@ -78,8 +77,8 @@ def _head(shares: FigureIndices) -> str:
     mean = figure_text(shares.figure, shares.mean)
     if shares.message:
         return f"{name}: {mean}, {shares.message}"
-    factor, unit = figure_unit(declared(shares.figure), shares.mean)
-    deviation = f"{factor * shares.deviation:.2g} {'points' if unit == '%' else unit}".rstrip()
+    factor, unit = difference_unit(declared(shares.figure), shares.mean)
+    deviation = f"{factor * shares.deviation:.2g} {unit}".rstrip()
     text = f"{name}: mean {mean}, standard deviation {deviation}"
     if shares.noise is not None and shares.noise > LARGEST_NOISE_SHARE:
         text += f"; numerical errors may cause {shares.noise:.0%} of the variance (tighten numerics.accuracy)"
@@ -117,7 +116,7 @@ def print_local(scene: Varied, found: Sensitivities, chosen: Sequence[str] = ())
     """Print a table of numbers by figures [%/%], the most important first, and the first of them in words."""
     print_scene_title(scene.title)
     if found.result.status != "ok":
-        say(wrapped(f"status: {found.result.status}; {found.result.message}"))
+        print_text(f"status: {found.result.status}; {found.result.message}")
     print_wrapped(f"warning: {warning}" for warning in found.result.warnings)
     if found.result.status != "ok":
         return
@@ -138,12 +137,12 @@ def print_local(scene: Varied, found: Sensitivities, chosen: Sequence[str] = ())
     say("change of a figure, in percent per percent of a number")
     print_table(["", "value", *map(shown_name, figures)], rows, 1)
     if len(felt) > MOST_NUMBERS:
-        say(wrapped(f"and {len(felt) - MOST_NUMBERS} more with less effect (--json lists all)"))
+        print_text(f"and {len(felt) - MOST_NUMBERS} more with less effect (--json lists all)")
     zero = [path for path, value in found.values.items() if value == 0.0]
     if zero:
-        say(wrapped(f"no percentage of a number that is 0 (--json lists its derivatives): {', '.join(zero)}"))
+        print_text(f"no percentage of a number that is 0 (--json lists its derivatives): {', '.join(zero)}")
     if idle := len(found.values) - len(felt) - len(zero):
-        say(wrapped(f"{idle} of {len(found.values)} numbers change none of these figures"))
+        print_text(f"{idle} of {len(found.values)} numbers change none of these figures")
     say()
     print_wrapped(effect_sentence(scene, found, figures[0], path) for path in felt[:3])
     _print_methods(found)
@@ -153,21 +152,18 @@ def _print_methods(found: Sensitivities) -> None:
     """Print the method of derivatives that are not exact, and what was left out."""
     for why, paths in grouped((why, path) for path, why in found.why.items()).items():
         which = "all" if len(paths) == len(found.values) else ", ".join(paths)
-        say(wrapped(f"* {which}: from differences of closed cycles, because {why}"))
+        print_text(f"* {which}: from differences of closed cycles, because {why}")
     if found.left_out:
         by_why = grouped((why, path) for path, why in found.left_out.items())
         told = "; ".join(f"{', '.join(paths)} ({why})" for why, paths in by_why.items())
-        say(wrapped(f"left out: {told}"))
+        print_text(f"left out: {told}")
 
 
 def effect_sentence(scene: Varied, found: Sensitivities, figure: str, path: str) -> str:
     """Return in words the effect of a round change of a number on a figure: '1 um … = -0.14 points of …'."""
     change, shown = _round_change(scene, path, found.values[path])
     slope, value = found.derivatives[figure][path], found.result.performance[figure]
-    about = declared(figure, found.result.performance)
-    if about.scale == EFFICIENCY and about.units == "1":
-        return f"{shown} of {path} = {100.0 * slope * change:+.2g} points of {shown_name(figure)}"
-    factor, unit = figure_unit(about, value or 0.0)
+    factor, unit = difference_unit(declared(figure, found.result.performance), value or 0.0)
     return f"{shown} of {path} = {factor * slope * change:+.2g} {unit} of {shown_name(figure)}".replace("  ", " ")
 
 

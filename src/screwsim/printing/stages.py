@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import TYPE_CHECKING
 
 from screwsim.figures.engineering import engineering, shown_name
 from screwsim.outputs import EFFICIENCY, STAGES
 from screwsim.outputs.customary import engineering_temperature, quantity, small_number_text
-from screwsim.printing.tables import absent_figures, print_scene_title
+from screwsim.printing.tables import absent_figures, print_scene_title, print_text, print_wrapped
 from screwsim.printing.uncertain import print_uncertainty
 from screwsim.screen import say
 from screwsim.study.stages.axes import STAGE_NAMES
@@ -16,7 +15,6 @@ from screwsim.study.stages.axes import STAGE_NAMES
 if TYPE_CHECKING:
     from screwsim.study.stages import ChainResult
 
-WIDTH = 80
 STAGE_FIGURES = (
     "gas_mass_flow",
     "shaft_power",
@@ -29,9 +27,8 @@ STAGE_FIGURES = (
 def print_stages(title: str, found: ChainResult) -> None:
     """Print the figures of a chain, and some figures of both stages."""
     print_scene_title(title)
-    say(textwrap.fill(f"status: {found.status}" + (f"; {found.message}" if found.message else ""), WIDTH - 1))
-    for warning in found.as_result().warnings:
-        say(textwrap.fill(f"warning: {warning}", WIDTH - 1, subsequent_indent="  "))
+    print_text(f"status: {found.status}" + (f"; {found.message}" if found.message else ""))
+    print_wrapped(f"warning: {warning}" for warning in found.as_result().warnings)
     if found.error:
         say(" " * 54 + "error")
     for name, value in found.performance.items():
@@ -39,13 +36,13 @@ def print_stages(title: str, found: ChainResult) -> None:
             error = small_number_text(found.error.get(name)) if found.error else ""
             say(f"{shown_name(name):<32}{_figure_cell(name, value):<22}{error}".rstrip())
     for reason, names in absent_figures(found.performance, found.notes).items():
-        say(textwrap.fill(f"no {', '.join(names)}: {reason}", WIDTH - 1, subsequent_indent="  "))
+        print_text(f"no {', '.join(names)}: {reason}")
     for which, result in zip(STAGE_NAMES, found.stages, strict=False):
         if result.performance:
             figures = ((name, result.performance[name]) for name in STAGE_FIGURES)
             told = ((name, " ".join(engineering(name, value))) for name, value in figures if value is not None)
             words = [f"{shown_name(name)} {text}".rstrip() for name, text in told]
-            say(textwrap.fill(f"{which} stage: {', '.join(words)}", WIDTH - 1, subsequent_indent="  "))
+            print_text(f"{which} stage: {', '.join(words)}")
     if found.uncertainty:
         print_uncertainty(found.as_result())
 

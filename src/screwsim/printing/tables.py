@@ -1,22 +1,16 @@
 """Plain tables and wrapped lines for a terminal of 80 columns."""
 
 import textwrap
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs.customary import with_printed_units
-from screwsim.outputs.display import grouped
-from screwsim.screen import say
+from screwsim.outputs.display import distinct_words, grouped
+from screwsim.screen import printable, say
 
 WIDTH = 80
 NARROWEST = 12  # least width of a first column that has others beside it
-# words of a path in the head of its column, fewest first
-_SHORTENED: tuple[Callable[[list[str]], list[str]], ...] = (
-    lambda words: words[-1:],
-    lambda words: words[-2:],
-    lambda words: [words[0], words[-1]],
-)
 
 
 def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int = 0) -> list[str]:
@@ -69,23 +63,19 @@ def print_scene_title(title: str) -> None:
 
 
 def column_heads(paths: Sequence[str]) -> list[str]:
-    """Return what columns of paths are called: their last words.
+    """Return what columns of paths are called: the words that tell them apart."""
+    return [" ".join(words).replace("_", " ") for words in distinct_words(paths)]
 
-    Where two would be the same, the word before is added, else the first word (the stage of two), else all words.
-    """
-    words = [path.split(".") for path in paths]
-    heads = []
-    for own in words:
-        alike = [each for each in words if each[-1] == own[-1]]
-        choice = next((some for some in _SHORTENED if len({tuple(some(each)) for each in alike}) == len(alike)), list)
-        heads.append(" ".join(choice(own)).replace("_", " "))
-    return heads
+
+def print_text(text: str, *, err: bool = False) -> None:
+    """Print a text on stdout, or on stderr, in lines that fit, with nothing in it that steers a terminal."""
+    say(wrapped(printable(text)), err=err)
 
 
 def print_wrapped(texts: Iterable[str]) -> None:
     """Print texts in lines that fit, each starting on a new line."""
     for text in texts:
-        say(wrapped(text))
+        print_text(text)
 
 
 def absent_figures(figures: Mapping[str, Any], notes: Mapping[str, str]) -> dict[str, list[str]]:

@@ -14,7 +14,7 @@ from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import Result
 from screwsim.outputs.derivatives import PACKAGE_FIGURES, usual_figures
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_wrapped, wrapped
+from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_text, print_wrapped, wrapped
 from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.read import Results
 from screwsim.screen import say
@@ -63,7 +63,7 @@ def print_uncertainty(result: Result) -> None:
     if found:
         told = f"inputs: half of the 95 % interval (coverage factor {COVERAGE:g}), linear, by their tolerances alone"
         other = "" if model else "; the model's own error comes on top (screwsim validate)"
-        say(wrapped(f"{told}; shares are those of the variance{other}"))
+        print_text(f"{told}; shares are those of the variance{other}")
         lost = left_out_words(list(result.uncertainty["left_out"]))
         print_wrapped([f"warning: the sums of inputs are {lost}, so they are too small"] if lost else [])
     print_wrapped(model_lines(model))
@@ -131,10 +131,10 @@ def print_check(scene: Varied, found: Uncertainty) -> None:
     print_scene_title(scene.title)
     say()
     if found.slopes.result.status != "ok":
-        say(wrapped(f"no uncertainty: {found.slopes.result.told}"))
+        print_text(f"no uncertainty: {found.slopes.result.told}")
         return
     if not found.sampled:
-        say(wrapped(f"no conclusion from the sample: {found.message or 'it has none of these figures'}"))
+        print_text(f"no conclusion from the sample: {found.message or 'it has none of these figures'}")
         return
     rows, wrong = [], []
     for name, sampled in found.sampled.items():
@@ -151,7 +151,7 @@ def print_check(scene: Varied, found: Uncertainty) -> None:
         print_table(["", "value", "mean", "linear", "sampled", "unit"], rows, 1)
     else:
         say("no figure here depends on the inputs with a tolerance")
-    say(wrapped(f"{found.samples} samples (Sobol's sequence) of the inputs within their tolerances"))
+    print_text(f"{found.samples} samples (Sobol's sequence) of the inputs within their tolerances")
     if found.message:
         wrong.append(f"warning: mean and spread are those of the others, as {found.message}")
     left_out = (f"warning: the linear estimate lacks {path}: {why}" for path, why in found.left_out.items())

@@ -13,10 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, central_angle, crossing_angle, torque_band
+from screwsim.outputs.customary import RPM
 from screwsim.report import style
 from screwsim.report.style import COLOURS, DASHES, DOUBLE, GREY, SINGLE, SMALL, note, plain_ticks, subplots, write_all
 
-RPM = 30.0 / math.pi
 MM = 1e3  # [mm/m]
 ORDERS = range(1, 4)  # harmonics of the lobe frequency that are drawn
 MOST_TWIST = math.radians(3.0)  # [rad] drawn
@@ -35,7 +35,7 @@ class DrivePoint(NamedTuple):
 def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int) -> Any:
     """Draw frequencies of drives over the speed with the lobe harmonics, and the amplitude of the coupling torque."""
     figure, (left, right) = subplots(DOUBLE, 84.0, 1, 2, sharex=True)
-    longest = max(points[-1].speed for points in cases.values()) * RPM
+    longest = max(points[-1].speed for points in cases.values()) / RPM
     highest = 1.6 * max(p.frequency for points in cases.values() for p in points if p.frequency is not None)
     for order in ORDERS:
         ends = np.array([0.0, longest])
@@ -45,7 +45,7 @@ def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int) -> An
         left.annotate(f"{order * lobes}$n$", (at, at * order * lobes / 60.0), **look)
     for i, (name, points) in enumerate(cases.items()):
         known = [p for p in points if p.frequency is not None]
-        n, look = np.array([p.speed for p in known]) * RPM, {"color": COLOURS[i], "linestyle": DASHES[i]}
+        n, look = np.array([p.speed for p in known]) / RPM, {"color": COLOURS[i], "linestyle": DASHES[i]}
         frequency = np.array([p.frequency for p in known], float)
         left.plot(n, frequency, label=name, **look)
         for order in ORDERS:
@@ -55,7 +55,7 @@ def campbell_figure(cases: Mapping[str, Sequence[DrivePoint]], lobes: int) -> An
                 right.axvline(at, color=COLOURS[i], linewidth=0.4, linestyle=(0, (2, 2)), zorder=1)
         right.plot(n, [p.amplitude for p in known], label=name, **look)
     known = [p for p in next(iter(cases.values())) if p.mean is not None]
-    n, mean = [p.speed * RPM for p in known], [p.mean for p in known]
+    n, mean = [p.speed / RPM for p in known], [p.mean for p in known]
     right.plot(n, mean, color=GREY, linestyle=DASHES[3], label="mean torque")
     left.set(xlim=(0.0, longest), ylim=(0.0, highest), ylabel="frequency (Hz)")
     right.set(yscale="log", ylim=(0.2, None), ylabel="coupling torque, amplitude (N m)")
@@ -81,8 +81,8 @@ def start_figure(found: Any, title: str) -> Any:
     """Draw speeds and torques of a start-up over time."""
     figure, (upper, lower) = subplots(DOUBLE, 100.0, 2, 1, sharex=True)
     t = found.traces
-    upper.plot(t["time"], RPM * t["motor_speed"], color=COLOURS[3], linestyle=DASHES[1], label="motor")
-    upper.plot(t["time"], RPM * t["speed"], color=COLOURS[0], label="rotors")
+    upper.plot(t["time"], t["motor_speed"] / RPM, color=COLOURS[3], linestyle=DASHES[1], label="motor")
+    upper.plot(t["time"], t["speed"] / RPM, color=COLOURS[0], label="rotors")
     upper.set_ylabel("speed (rpm)")
     load = t["gas_torque"] + t["loss_torque"]
     lower.plot(t["time"], load, color="#b8b8b8", linewidth=0.5, label="gas and losses")

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.figures.engineering import figure_scales, shown_name
-from screwsim.outputs.customary import scale
+from screwsim.outputs.customary import RPM, scale
 from screwsim.results import Results
 from screwsim.results.read import STAGES
 from screwsim.results.schema import Axis
@@ -54,7 +54,6 @@ def celsius(words: str, symbol: str) -> Display:
     return Display(words, symbol, "°C", 1.0, -ZERO_CELSIUS)
 
 
-RPM = 30.0 / math.pi
 DEGREE = 180.0 / math.pi
 
 ANGLE = Display("male-rotor angle", r"$\varphi$", "°", 1.0)
@@ -64,7 +63,7 @@ VOLUME = Display("chamber volume", "$V$", "cm³", 1e6)
 TEMPERATURE = celsius("temperature", "$T$")
 GAS_MASS = Display("gas mass", "$m$", "g", 1e3)
 MASS_FLOW = Display("mass flow into the chamber", r"$\dot m$", "g/s", 1e3)
-SPEED = Display("male-rotor speed", "$n$", "rpm", RPM)
+SPEED = Display("male-rotor speed", "$n$", "rpm", 1.0 / RPM)
 RATIO = Display("oil-to-gas mass ratio", "$d$", "kg/kg", 1.0)
 _RATIOS = {"oil_ratio": RATIO, "cop": Display("COP", "", "W/W", 1.0)}  # shown as a ratio of units
 _WORDS = {"package_specific_power": "specific power"}  # a label must fit beside its panel
@@ -96,7 +95,7 @@ _AXES = {
 }
 _CUSTOMARY = {
     "Pa": ("bar", 1e-5),
-    "rad/s": ("rpm", RPM),
+    "rad/s": ("rpm", 1.0 / RPM),
     "rad": ("°", DEGREE),
     "Pa s": ("mPa s", 1e3),
     "m^3": ("cm³", 1e6),

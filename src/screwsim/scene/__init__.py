@@ -3,7 +3,6 @@
 from screwsim.scene.checks import cross_check
 from screwsim.scene.fields import value_at
 from screwsim.scene.grid import (
-    axis_label,
     case,
     case_count,
     case_values,

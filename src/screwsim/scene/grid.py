@@ -180,11 +180,6 @@ def read_value(scene: Scene, path: str, raw: Any) -> Any:
         return convert(leaf_of(scene, path), raw, scene.folder)
 
 
-def axis_label(path: str, scene: Scene) -> tuple[str, str]:
-    """Return (name, SI unit) of an axis in a file of results: '1' for numbers, '' for words (choices, fluids)."""
-    return path.replace(".", "_"), unit_of(leaf_of(scene, path))
-
-
 def unit_of(leaf: Leaf) -> str:
     """Return the SI unit of an input: '1' for numbers, '' for words (choices, fluids)."""
     return leaf.dimension.si if leaf.dimension else "" if leaf.kind in ("choice", "fluid") else "1"

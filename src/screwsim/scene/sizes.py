@@ -16,11 +16,11 @@ from screwsim.inputs.faults import Fault
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineKind, Size, Speed
 from screwsim.numerics.identity_cache import IdentityCache
+from screwsim.outputs.customary import RPM
 from screwsim.scene.fields import value_at
 from screwsim.scene.types import Scene
 from screwsim.scene.units import readable_quantity
 
-RPM = 30.0 / math.pi
 _EFFECTS = "effects"
 
 
@@ -40,7 +40,7 @@ def _surface_speed(scene: Scene) -> tuple[float, Speed]:
 
 def _in_words(scene: Scene, fast: float, known: Speed) -> str:
     """Return in words which part moves at which speed [m/s]."""
-    return f"{scene.operation.speed * RPM:.6g} rpm {known.what} {fast:.4g} m/s"
+    return f"{scene.operation.speed / RPM:.6g} rpm {known.what} {fast:.4g} m/s"
 
 
 def size_faults(scene: Scene) -> Iterator[Fault]:

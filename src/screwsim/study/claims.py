@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.customary import RPM
 from screwsim.results import open_results
 from screwsim.screen import say
 
 PAPER_TITLE = "Chernov et al. 2015"  # start of the titles in configs/paper
 Array = np.ndarray
-RPM = 2.0 * np.pi / 60.0
 A5_RATIO, A5_SPEED, A5_EFFICIENCY, A5_TOLERANCE = 3.0, 1000.0, 0.68, 0.005
 A6_EFFICIENCY, A6_TOLERANCE = 0.44, 0.02
 _AXES = ("oil_supply.ratio", "oil_supply.orifice_diameter")  # of Fig. 1 and of Fig. 2, besides the speed

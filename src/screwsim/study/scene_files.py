@@ -14,7 +14,7 @@ from screwsim.results.atomic import check_writable, make_folder, protect_others,
 from screwsim.scene import Scene, leaf_of, loads, scene_text
 from screwsim.scene.fields import effect_keys
 from screwsim.scene.values import text_of
-from screwsim.scene.write import quoted
+from screwsim.scene.write import quoted, relative_to
 from screwsim.study.asked.inputs import shown_value
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def _text_over_base(
         put(tree, path, text_of(leaf_of(found, path), value), found.effects)
     if not SIZE_PATHS.isdisjoint(values):
         tree["title"] = quoted(found.title)
-    lines = [f"base: {quoted(_relative(file, folder))}", "sweep: null"]
+    lines = [f"base: {quoted(relative_to(os.path.realpath(file), os.path.realpath(folder)))}", "sweep: null"]
     return "\n".join([*lines, *lines_of(tree)]) + "\n"
 
 
@@ -159,7 +159,7 @@ def fitted_text(found: Calibration, folder: Path) -> str:
     lines = [
         f"{FITTED_LINE} {os.path.basename(fit.name)}; {quality_in_words(found)}.",
         f"title: {quoted(f'{title}, fitted' if title else 'fitted')}",
-        f"base: {quoted(_relative(fit.scene_file, folder))}",
+        f"base: {quoted(relative_to(os.path.realpath(fit.scene_file), os.path.realpath(folder)))}",
         *lines_of(tree),
     ]
     return "\n".join(lines) + "\n"
@@ -202,10 +202,3 @@ def lines_of(tree: Mapping[str, Any], indent: str = "") -> Iterator[str]:
             yield from lines_of(item, indent + "  ")
         else:
             yield f"{indent}{name}: {item}"
-
-
-def _relative(path: str, folder: Path) -> str:
-    try:
-        return os.path.relpath(os.path.realpath(path), os.path.realpath(folder))
-    except ValueError:  # on another drive
-        return os.path.abspath(path)

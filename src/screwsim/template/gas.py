@@ -10,12 +10,12 @@ from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import FAMILIES
+from screwsim.outputs.customary import RPM
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.refrigeration import OILS_FOR
 from screwsim.template.request import Condition, SceneRequest, condition_of, quantity_after_comma
 
-RPM = math.pi / 30.0
 LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power
 THINNEST_AIR = 0.3e5  # [Pa] least inlet pressure of an air package: 0.34 bar on the highest mountain
 AIR_OIL = 4.0  # least kg of oil per kg of air, warmed by some 30 K (validation/cagi)
@@ -210,7 +210,7 @@ def _speeds(asked: SceneRequest, rated: float, speed: float) -> dict[str, str]:
         "loss": f"{INVERTER_LOSS_SHARE * rated:.3g} kW",
         "speed": sizes.rpm(speed),
     }
-    points = ", ".join(f"{share * speed * 30.0 / math.pi:.0f} rpm" for share in SPEEDS)
+    points = ", ".join(f"{share * speed / RPM:.0f} rpm" for share in SPEEDS)
     told = "# The points of its data sheet, from full speed to a third of it."
     return {
         "driven": texts.filled("variable_speed", {**motor, **inverter}),

@@ -7,13 +7,12 @@ from typing import NamedTuple
 from screwsim.fluid import constants
 from screwsim.fluid.transport import transport
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.customary import RPM
 from screwsim.template import duty as duties
 from screwsim.template import sizes, valves
 from screwsim.template.duty import Duty, conditions, duty_of
 from screwsim.template.request import SceneRequest, condition_of, refuse_option
 from screwsim.template.texts import filled, two_phase
-
-RPM = math.pi / 30.0
 
 
 class Cylinder(NamedTuple):

@@ -1,6 +1,5 @@
 """The request for a new scene: what the command line states; each kind chooses the rest."""
 
-import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,10 +10,11 @@ from screwsim.fluid.oils import OILS
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import did_you_mean
+from screwsim.outputs.customary import RPM
 from screwsim.scene.units import NUMBER, gauge_pressures_over, parse_quantity, refused_at
 from screwsim.template import sizes
 
-SPEED = 2950.0 * math.pi / 30.0  # [rad/s] of screws
+SPEED = 2950.0 * RPM  # [rad/s] of screws
 ATMOSPHERE = 1e5  # [Pa] of a template's surroundings, as in ISO 1217
 _PAIR = re.compile(rf"\s*({NUMBER})\s*([^/,]*?)\s*/\s*({NUMBER})\s*([^,]*?)\s*(?:,\s*(.+?)\s*)?")
 

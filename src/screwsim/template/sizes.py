@@ -13,6 +13,7 @@ from typing import NamedTuple
 from screwsim.effects.parts import motor_classes
 from screwsim.machine.derived_sizes import unit_volume
 from screwsim.machine.rotors.settings import FAMILIES
+from screwsim.outputs.customary import RPM
 
 SMALLEST, LARGEST = 0.05, 0.55  # [m] diameters of manufactured rotors
 KNOWN_DIAMETER = 0.160  # [m] diameter of the fitted machine
@@ -130,7 +131,7 @@ def rounded_flow(flow: float) -> float:
 
 def rpm(speed: float) -> str:
     """Return a speed [rad/s] in revolutions per minute."""
-    return f"{speed * 30.0 / math.pi:.6g} rpm"
+    return f"{speed / RPM:.6g} rpm"
 
 
 def displaced(diameter: float, speed: float, family: str = "b") -> float:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 from screwsim.figures import declared
 from screwsim.inputs.declare import KINDS, Kind
+from screwsim.outputs.customary import RPM
 from screwsim.outputs.display import si_unit
 from screwsim.outputs.us_units import CFM, HORSEPOWER, POUND
 from screwsim.scene.units import Refused, likely_unit, parse_quantity, refuse_traps, tidy_unit
@@ -35,7 +36,7 @@ UNITS = {
     "m3": {"m^3": 1.0, "cm^3": 1e-6, "L": 1e-3},
     "m3 s-1": {"m^3/s": 1.0, "m^3/min": 1.0 / 60.0, "m^3/h": 1.0 / 3600.0, "L/min": 1.0 / 60000.0},
     "rad": {"rad": 1.0, "deg": math.pi / 180.0},
-    "rad s-1": {"rad/s": 1.0, "rpm": math.pi / 30.0},
+    "rad s-1": {"rad/s": 1.0, "rpm": RPM},
     "Hz": {"Hz": 1.0},
     "s": {"s": 1.0, "h": 3600.0},
 }

@@ -23,6 +23,7 @@ LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search uses the loga
 RANGE_FACTOR = 20.0  # without a range: the largest factor above and below the scene's value
 STEP_BEYOND = 0.01  # of the range, beyond its end
 LOWER, UPPER = "lower border", "upper border"
+BORDER_MARKS = {"": "", LOWER: " <", UPPER: " >"}  # behind a value in tables
 
 
 def value_between(low: float, high: float, place: float, logarithmic: bool) -> float:
@@ -89,6 +90,11 @@ def refusal_beyond(scene: Varied, span: Span, border: str, solved: Callable[[flo
         return str(refused)
     result = solved(value)
     return "" if result.status == "ok" else result.told
+
+
+def idle_note(path: str) -> str:
+    """Return that a best value is one by chance."""
+    return f"{path} has hardly any effect: equally good values were found over all of its range"
 
 
 def border_note(border: str, beyond: str, remedy: str = "") -> str:

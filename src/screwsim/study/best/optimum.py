@@ -22,28 +22,17 @@ from screwsim.study.pool.workers import WORKER_DIED
 
 OIL_RATIO, OIL_RANGE = "oil_supply.ratio", (0.1, 10.0)  # range where nothing states one
 INSENSITIVE_SHARE = 0.9  # of the range: where the figure is the same over more than this, the path hardly affects it
-WANTED_CERTAINTY = 0.01  # of the range: wanted certainty of the place, each way
+CERTAIN = 0.01  # of the range: wanted certainty of the place, each way
+NEAR = 2e-4  # of the range: distance from its end that counts as at the end
 TIGHTER, TIGHTEST = 0.1, 1e-6  # of numerics.accuracy, and least accuracy, where errors leave the place less certain
 
 
 @dataclass(frozen=True, kw_only=True)
 class Question(Span):
-    """The question: the best `figure` over a path between two values [SI].
-
-    A search coordinate is the value or its logarithm, and no place 0 … 1 in the span.
-    """
+    """The question: the best `figure` over a path between two values [SI]."""
 
     figure: str
     minimum: bool = False
-
-    def coordinate(self, value: float) -> float:
-        """Return the search coordinate of a value [SI]."""
-        return math.log(value) if self.logarithmic else value
-
-    def value_at(self, coordinate: float) -> float:
-        """Return the value [SI] at a search coordinate, within the range."""
-        found = math.exp(coordinate) if self.logarithmic else coordinate
-        return min(max(found, self.low), self.high)
 
 
 @dataclass(frozen=True)
@@ -134,7 +123,7 @@ def optimum(
 ) -> list[Best]:
     """Return the best value for each point of the scene's axes other than the path (one point without axes)."""
     rest = with_sweep_over(scene, [path for path in scene.sweep if path != asked.path])
-    middle = {asked.path: asked.value_at(0.5 * (asked.coordinate(asked.low) + asked.coordinate(asked.high)))}
+    middle = {asked.path: asked.value(0.5)}
     check_fit(case(rest, 0), middle, asked.path)
     count = case_count(rest)
     simulate = simulate or simulator(with_values(case(rest, 0), middle) if count > 1 else None)
@@ -150,24 +139,22 @@ def optimum(
 def _best(rest: Varied, asked: Question, simulate: Simulate, number: int) -> Best:
     """Return the best value at one point of the other axes; solved more accurately where errors leave it uncertain."""
     trials = _Trials(case(rest, number), asked, simulate)
-    ends = asked.coordinate(asked.low), asked.coordinate(asked.high)
-    top = find_maximum(trials.point, *ends)
-    wanted = WANTED_CERTAINTY * (ends[1] - ends[0])
-    while top is not None and max(top.high - top.point.x, top.point.x - top.low) > wanted and trials.tighten():
+    top = find_maximum(trials.point, 0.0, 1.0)
+    while top is not None and max(top.high - top.point.x, top.point.x - top.low) > CERTAIN and trials.tighten():
         margin = 0.25 * (top.bracket[1] - top.bracket[0])
-        bracket = max(top.bracket[0] - margin, ends[0]), min(top.bracket[1] + margin, ends[1])
+        bracket = max(top.bracket[0] - margin, 0.0), min(top.bracket[1] + margin, 1.0)
         finer = find_maximum(trials.point, *bracket, count=1 + COARSE_POINTS // 2)
         if finer is None:
             break
         # the earlier end of the equally good interval where the finer bracket does not contain one
         low = top.low if finer.low <= bracket[0] else finer.low
         top = replace(finer, others=top.others, low=low, high=top.high if finer.high >= bracket[1] else finer.high)
-    return _best_of_trials(case_values(rest, number), asked, trials, top, ends)
+    return _best_of_trials(case_values(rest, number), asked, trials, top)
 
 
 @dataclass
 class _Trials:
-    """Solutions of one search by the search coordinate, of several there the last, and why others failed."""
+    """Solutions of one search by their places, of several there the last, and why others failed."""
 
     scene: Varied
     asked: Question
@@ -182,9 +169,9 @@ class _Trials:
         return simulated_if_valid(with_values(self.scene, {self.asked.path: value}), self.simulate)
 
     def point(self, x: float) -> SearchPoint:
-        """Return the figure at a coordinate, negated for a minimum; NaN without a closed solution."""
+        """Return the figure at a place, negated for a minimum; NaN without a closed solution."""
         name = self.asked.figure
-        result = self.solved(self.asked.value_at(x))
+        result = self.solved(self.asked.value(x))
         if result.status != "ok":
             self.reasons[x] = result.told
             return SearchPoint(x, math.nan)
@@ -196,7 +183,7 @@ class _Trials:
         return SearchPoint(x, -value if self.asked.minimum else value, absolute_error(result, name, self.scene))
 
     def beside(self, x: float, within: float) -> str:
-        """Return why the nearest solution within a distance of a coordinate failed; '' where none did."""
+        """Return why the nearest solution within a distance of a place failed; '' where none did."""
         near = [(abs(at - x), reason) for at, reason in self.reasons.items() if abs(at - x) <= within]
         return min(near)[1] if near else ""
 
@@ -208,9 +195,7 @@ class _Trials:
         return finer is not None
 
 
-def _best_of_trials(
-    values: Mapping[str, Any], asked: Question, trials: _Trials, top: Maximum | None, ends: tuple[float, float]
-) -> Best:
+def _best_of_trials(values: Mapping[str, Any], asked: Question, trials: _Trials, top: Maximum | None) -> Best:
     reasons = list(trials.reasons.values())
     counts = {"solutions": trials.count, "failed": len(reasons), "accuracy": accuracy_of(trials.scene)}
     some = f"{len(reasons)} of {trials.count} solutions: {reasons[0]}" if reasons else ""
@@ -219,13 +204,12 @@ def _best_of_trials(
         missing = f"{lacks[0]} (choose another --figure)" if lacks else ""
         return Best(values, "failed", some or missing, **counts)
     sign = -1.0 if asked.minimum else 1.0
-    near = 2e-4 * (ends[1] - ends[0])
-    place = LOWER if top.point.x - ends[0] < near else UPPER if ends[1] - top.point.x < near else "inside"
+    place = LOWER if top.point.x < NEAR else UPPER if top.point.x > 1.0 - NEAR else "inside"
     beyond = ""
-    if top.high - top.low > INSENSITIVE_SHARE * (ends[1] - ends[0]):  # the best place is one by chance
+    if top.high - top.low > INSENSITIVE_SHARE:  # the best place is one by chance
         place = "anywhere"
     elif place == "inside":
-        beyond = trials.beside(top.point.x, near)
+        beyond = trials.beside(top.point.x, NEAR)
     else:
         beyond = refusal_beyond(trials.scene, asked, place, trials.solved)
         counts["solutions"] = trials.count
@@ -236,12 +220,12 @@ def _best_of_trials(
         "ok",
         some,
         place,
-        asked.value_at(top.point.x),
+        asked.value(top.point.x),
         sign * top.point.y,
         top.point.error,
-        asked.value_at(top.low),
-        asked.value_at(top.high),
-        tuple((asked.value_at(point.x), sign * point.y) for point in top.others),
+        asked.value(top.low),
+        asked.value(top.high),
+        tuple((asked.value(point.x), sign * point.y) for point in top.others),
         **counts,
         beyond=beyond,
         warnings=best.warnings,

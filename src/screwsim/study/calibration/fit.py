@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from screwsim.outputs.display import distinct_words
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.types import COVERAGE
 from screwsim.study.asked.spans import place_between, value_between
@@ -194,10 +195,9 @@ class Fit:
         return np.array([parameter.place(values[parameter.path]) for parameter in self.parameters])
 
     def short_names(self) -> dict[str, str]:
-        """Return short names of the parameters by path: the last words that tell them apart."""
-        paths = {parameter.path: parameter.path.split(".") for parameter in self.parameters}
-        ends = [path[-1] for path in paths.values()]
-        return {name: ".".join(path[-2:]) if ends.count(path[-1]) > 1 else path[-1] for name, path in paths.items()}
+        """Return short names of the parameters by path: the words that tell them apart."""
+        paths = [parameter.path for parameter in self.parameters]
+        return dict(zip(paths, map(".".join, distinct_words(paths)), strict=True))
 
     def first_start(self) -> dict[str, float]:
         """Return the stated starts [SI], the middle of the bounds where none is stated."""

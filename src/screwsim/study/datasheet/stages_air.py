@@ -13,7 +13,7 @@ from screwsim.build import package_of
 from screwsim.effects.air_package import AIR
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import RPM, with_printed_units
 from screwsim.scene import grid
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet import air_sheet, stages_sheet
@@ -64,7 +64,7 @@ def air_stages_sheet(
     shares = year(rated, demands) if demands else ()
     heads = ("first rpm", "second rpm", *air_sheet.heads_of(units)[1:])
     rows = [
-        [*(f"{stages_sheet.RPM * speed:.0f}" for speed in own), *air_sheet.point_row(point, rated.full, units)[1:]]
+        [*(f"{speed / RPM:.0f}" for speed in own), *air_sheet.point_row(point, rated.full, units)[1:]]
         for own, point in zip(speeds, points, strict=True)
     ]
     tables = [Table("Points", heads, rows, across=True), *_stage_tables(speeds, points, found, units)]
@@ -112,7 +112,7 @@ def _stage_tables(
         rows = []
         for own, point in zip(speeds, points, strict=True):
             cells = [column.cell(point.result.performance) if point.ok else NONE for column in columns]
-            rows.append([*(f"{stages_sheet.RPM * speed:.0f}" for speed in own), *cells])
+            rows.append([*(f"{speed / RPM:.0f}" for speed in own), *cells])
         heads = ("first rpm", "second rpm", *(column.title for column in columns))
         note = "powers at the shafts, temperatures at discharge, heat in the oil coolers"
         yield Table("Both stages at each point", heads, rows, note, across=True)
@@ -147,7 +147,7 @@ def _loss(found: Result, units: Units) -> str:
 
 
 def _names(speeds: Sequence[tuple[float, float]]) -> list[str]:
-    return [f"{stages_sheet.RPM * own[0]:.0f} and {stages_sheet.RPM * own[1]:.0f} rpm" for own in speeds]
+    return [f"{own[0] / RPM:.0f} and {own[1] / RPM:.0f} rpm" for own in speeds]
 
 
 def _notes(chain: StageChain, speeds: Sequence[tuple[float, float]], points: Sequence[Point]) -> Iterator[str]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.outputs import Result
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import RPM, with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet, tables
@@ -41,7 +41,7 @@ DOCUMENT_FIGURES = (
 )  # fmt: skip
 INTERMEDIATE_COLUMN = Column(INTERMEDIATE, "between bar", BAR, 3)  # its title is its head
 PEAK_FIGURES = (*DISCHARGES, "first_shaft_power", "second_shaft_power")
-MINUTE, RPM = 6e4, 9.549296585513721  # from m³/s to L/min, rad/s
+MINUTE = 6e4  # from m³/s to L/min
 EACH_STAGE = (  # figures of a stage, a row each
     Column("displacement_flow", "swept volume [m³/h]", HOUR, 1),
     Column("suction_pressure", "suction pressure [bar]", BAR, 3),
@@ -142,7 +142,7 @@ def _tables(rated: ChainRating, heating: bool) -> Iterator[Table]:
 
 def _intermediate_table(rated: ChainRating, columns: tuple[Column, ...]) -> Iterator[Table]:
     """Yield how the intermediate pressure and the efficiency depend on the speed of the second stage."""
-    speed = RPM * rated.asked.chain.second.operation.speed
+    speed = rated.asked.chain.second.operation.speed / RPM
     between = in_units(INTERMEDIATE_COLUMN, rated.asked.units)
     heads, shown = zip((between.title, between), *tables.main_heads(rated, columns), strict=True)
     rows = [
@@ -214,7 +214,7 @@ def each_stage_table(found: ChainResult, title: str, units: Units = METRIC) -> I
         return
     figures = [each.performance for each in found.stages]
     loads = [_motor_load(scene, each) for scene, each in zip(found.scenes, found.stages, strict=True)]
-    rows = [["speed [rpm]", *(f"{RPM * scene.operation.speed:.0f}" for scene in found.scenes)]]
+    rows = [["speed [rpm]", *(f"{scene.operation.speed / RPM:.0f}" for scene in found.scenes)]]
     for column in (in_units(each, units) for each in EACH_STAGE):
         if any(column.figure in each for each in figures):
             rows.append([column.title, *(column.cell(each) for each in figures)])
@@ -274,7 +274,7 @@ def swept_line(found: ChainResult, units: Units = METRIC) -> Lines:
     """Yield the swept volume and the speed of each stage."""
     if len(found.scenes) == len(found.stages) and found.stages:
         swept = (units.quantity("m3 s-1", each.performance["displacement_flow"]) for each in found.stages)
-        speeds = (f"{RPM * scene.operation.speed:.4g} rpm" for scene in found.scenes)
+        speeds = (f"{scene.operation.speed / RPM:.4g} rpm" for scene in found.scenes)
         parts = zip(STAGE_NAMES, swept, speeds, strict=True)
         yield "stages", ", ".join(f"{name} {volume} swept at {speed}" for name, volume, speed in parts)
 

@@ -67,7 +67,7 @@ def evaluated_at(
 ) -> MapPoint:
     """Return the one map selected by values [SI] of its other axes at both temperatures [K]; raise UsageError."""
     T_e, T_c = map(float, temperatures)
-    within = [shown_name(path) for path in asked if path not in maps[0].values]
+    within = [axis_name(path) for path in asked if path not in maps[0].values]
     if within:
         raise UsageError(f"{within[0]} varies together with a temperature in this sweep (leave it out)")
     fitting = [one for one in maps if all(_is_same_value(one.values[path], value) for path, value in asked.items())]
@@ -97,14 +97,14 @@ def _choose(maps: Sequence[PerformanceMap], fitting: Sequence[PerformanceMap]) -
     paths = list(maps[0].values)
     which = f"there are maps at {'; '.join(place_in_words(one.values) for one in maps)}"
     if fitting:
-        names = " and ".join(map(shown_name, paths))
+        names = " and ".join(map(axis_name, paths))
         return f"there are {len(fitting)} maps of it (state {names} as well, e.g. {_stated(fitting[0])}; {which})"
     return f"there is no map for it ({which})"
 
 
 def _stated(one: PerformanceMap) -> str:
     """Return the values of a map's other axes as they are asked for: 'position=0'."""
-    return ", ".join(f"{shown_name(path)}={_shown_value(path, value)}" for path, value in one.values.items())
+    return ", ".join(f"{axis_name(path)}={_shown_value(path, value)}" for path, value in one.values.items())
 
 
 def place_in_words(values: Mapping[str, Any]) -> str:
@@ -122,7 +122,7 @@ def _shown_value(path: str, value: Any) -> str:
     return readable_quantity(leaf.dimension, float(value))
 
 
-def shown_name(path: str) -> str:
+def axis_name(path: str) -> str:
     """Return the last word of a path; of two stages the short name, as both may have that word."""
     return short_name(path) if path.startswith(STAGES) else path.rpartition(".")[2]
 
@@ -139,7 +139,7 @@ def _axis(results: Results, name: str) -> str:
         return same[0]
     if same:
         raise UsageError(f"{name} is short for {' and for '.join(same)} (write the one that is meant in full)")
-    options = paths if "." in name else [shown_name(path) for path in paths]
+    options = paths if "." in name else [axis_name(path) for path in paths]
     one_of = f"one of {', '.join(options)}"
     raise UsageError(f"{name} {unknown_key(name, options, one_of)}")
 

@@ -19,16 +19,13 @@ from screwsim.scene.fields import FIXED
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.stages.axes import BETWEEN, COMMON, LEAVES, SOLVED
 from screwsim.study.stages.solve import Stop, run_stages
-from screwsim.study.uncertainty.slopes import Sensitivities, numeric_paths, requested_numbers, size_of
+from screwsim.study.uncertainty.slopes import Sensitivities, numeric_paths, requested_numbers
 from screwsim.study.uncertainty.spreads import NO_TOLERANCE, Uncertainty, not_included, tolerances_of
 from screwsim.study.uncertainty.stages_linear import ChainDerivatives, linear_chain
 
 if TYPE_CHECKING:
     from screwsim.study.stages.chain import StageChain
     from screwsim.study.stages.result import ChainResult
-
-INPUT_STEP = 0.01  # of a standard uncertainty
-STEP = 1e-4  # of a number's size
 
 
 def chain_sensitivities(
@@ -50,10 +47,9 @@ def chain_sensitivities(
     if found.status != "ok":
         return Sensitivities(result)
     wanted = STAGES.keys() & (names or STAGES)
-    steps = {name: STEP * size_of(chain.leaf_of(name), value) for name, value in values.items()}
     try:
         linear = linear_chain(chain, found, values, fine)
-        slopes = ChainDerivatives(linear, steps)
+        slopes = ChainDerivatives(linear, values)
     except Stop as stop:
         raise UsageError(f"no derivatives: {stop}") from None
     return Sensitivities(
@@ -114,9 +110,7 @@ def chain_uncertainty(chain: StageChain, found: ChainResult) -> tuple[Uncertaint
     if not tolerances.uncertain:
         raise UsageError(NO_TOLERANCE)
     try:
-        linear = linear_chain(chain, found, tolerances.uncertain)
-        values = ((name, each, float(chain.value_at(name))) for name, each in tolerances.uncertain.items())
-        slopes = ChainDerivatives(linear, {name: INPUT_STEP * each.standard_at(value) for name, each, value in values})
+        slopes = ChainDerivatives(linear_chain(chain, found, tolerances.uncertain), tolerances.uncertain)
     except Stop as stop:
         raise UsageError(str(stop)) from None
     return slopes.uncertainty(Result("ok", performance=found.performance), slopes.whole, tolerances), slopes

@@ -22,7 +22,7 @@ from screwsim.scene.operation import P_D, P_S, QUALITY, T_S
 from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.figures import StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.solve import ChainSolver
-from screwsim.study.uncertainty.slopes import Sensitivities, scene_sensitivities
+from screwsim.study.uncertainty.slopes import Sensitivities, scene_sensitivities, size_of
 from screwsim.study.uncertainty.spreads import Tolerances, Uncertainty, groups_of, spreads_of
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from screwsim.study.stages.result import ChainResult
 
 LINE_PATHS = (P_S, T_S, QUALITY, P_D)  # of a stage at the solution, which states its lines by these alone
+INPUT_STEP = 1e-4  # of an input's size
 PRESSURE_STEP = 1e-4  # of the pressure between the stages
 Slopes = dict[str, dict[str, float]]  # derivative [SI] of each figure by each input
 
@@ -74,10 +75,10 @@ class LinearChain:
 class ChainDerivatives:
     """Derivatives of the figures of both together (`whole`) and of each stage, by the inputs at `values` [SI].
 
-    They are differences over the `steps` [SI] of the inputs, but for those that are lost.
+    They are differences over steps of the inputs `names`, but for those that are lost.
     """
 
-    def __init__(self, linear: LinearChain, steps: Mapping[str, float]) -> None:
+    def __init__(self, linear: LinearChain, names: Iterable[str]) -> None:
         self._linear = linear
         self.values: dict[str, float] = {}
         self.whole: Slopes = {}
@@ -85,12 +86,13 @@ class ChainDerivatives:
         step = PRESSURE_STEP * linear.pair.p
         above, below = (linear.at("", 0.0, by)[1].excess for by in (step, -step))
         by_pressure = (above - below) / (2.0 * step)
-        for name in (name for name in steps if name not in linear.lost):
-            self._add(name, steps[name], by_pressure)
+        for name in (name for name in names if name not in linear.lost):
+            self._add(name, by_pressure)
 
-    def _add(self, name: str, step: float, by_pressure: float) -> None:
-        """Add the derivatives by one input over a step [SI]; `by_pressure` is that of the residual [1/Pa]."""
+    def _add(self, name: str, by_pressure: float) -> None:
+        """Add the derivatives by one input; `by_pressure` is that of the residual [1/Pa]."""
         value = self.values[name] = float(self._linear.chain.value_at(name))
+        step = INPUT_STEP * size_of(self._linear.chain.leaf_of(name), value)
         above, below = (self._linear.at(name, value + by, 0.0)[1].excess for by in (step, -step))
         dp = -(above - below) / (2.0 * by_pressure)  # over the step
         (up, high), (down, low) = (self._linear.at(name, value + way * step, way * dp) for way in (1.0, -1.0))
