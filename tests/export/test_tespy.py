@@ -12,7 +12,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 pytestmark = pytest.mark.around
 SCENE = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
