@@ -5,12 +5,12 @@
     python tests/tools/derivatives.py --again PAIRS … [-o …] [--misses …]
 
 Scenes are drawn around shipped ones and the structures of `effects_space`, from number `OF_CONFIGS` on around all of
-configs/. Their numbers differ by up to a tenth; they are closed by waveform relaxation
-(`histories`) and by coupled chambers in turn. A few numbers of each scene are chosen, and each figure's derivative is
-compared with differences of cycles closed with the step tolerance `RTOL` and the same regularisation; the surroundings
-of the machine are solved again for each. Central differences over one, two and four times `STEP` (of one chamber
-`STEP_OF_ONE`) are extrapolated twice (Richardson); the difference of both results is the uncertainty of the reference
-(`own`). Errors are relative to the slope, or to `LEAST` percent per percent where it is smaller. A pair with an error above `GOOD` is listed with its
+configs/. Their numbers differ by up to a tenth; they are closed by waveform relaxation (`histories`) and by coupled
+chambers in turn. A few numbers of each scene are chosen, and each figure's derivative is compared with differences of
+cycles closed with the step tolerance `RTOL` and the same regularisation; the surroundings of the machine are solved
+again for each. Central differences over one, two and four times `STEP` (of one chamber `STEP_OF_ONE`) are extrapolated
+twice (Richardson); the difference of both results is the uncertainty of the reference (`own`). Errors are relative to
+the slope, or to `LEAST` percent per percent where it is smaller. A pair with an error above `GOOD` is listed with its
 reason: `kink` where the differences to both sides disagree, `reference` where that is no better itself, `slices` where
 finer slices reduce the error, else `unexplained`. With `--quick` the last two are not tried: `open`. `--again` computes
 the exact derivatives again for the references in a file. A longer `--step` shows which misses are due to rounding of
