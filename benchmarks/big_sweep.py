@@ -23,7 +23,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, case, load
 from screwsim.simulate import simulate
 from screwsim.study.pool.progress import Progress
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 ROOT = Path(__file__).resolve().parent.parent
 POINT = ROOT / "configs" / "paper" / "point.yaml"

@@ -20,7 +20,7 @@ from screwsim.results.write import save
 from screwsim.scene import with_values
 from screwsim.scene.write import yaml_text
 from screwsim.study.pool.progress import OverwrittenLine, Progress, for_program
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 POINT = Path(__file__).parents[1] / "configs" / "paper" / "point.yaml"
 MACHINE = {

@@ -15,7 +15,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from screwsim.scene import load
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENE, FITTED = "configs/paper/uncertain.yaml", "validation/bitzer/fitted/scene.yaml"

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from screwsim.study.maps.map_points import evaluate_map
     from screwsim.study.optimize import optimize
     from screwsim.study.seek import find
-    from screwsim.study.sweep.run import run_sweep, sweep
+    from screwsim.study.sweep import run_sweep, sweep
     from screwsim.study.uncertainty.point import sensitivities, simulate, uncertainty
 
     __version__: str
@@ -90,11 +90,11 @@ _HOMES = {
     "performance_map": "screwsim.api",
     "plan": "screwsim.api",
     "posterior": "screwsim.api",
-    "run_sweep": "screwsim.study.sweep.run",
+    "run_sweep": "screwsim.study.sweep",
     "schema": "screwsim.scene",
     "sensitivities": "screwsim.study.uncertainty.point",
     "simulate": "screwsim.study.uncertainty.point",
-    "sweep": "screwsim.study.sweep.run",
+    "sweep": "screwsim.study.sweep",
     "tabulate": "screwsim.api",
     "uncertainty": "screwsim.study.uncertainty.point",
 }

@@ -47,7 +47,7 @@ from screwsim.study.datasheet import RANGE_OPTIONS, Sheet, SheetOptions, sheet_o
 from screwsim.study.maps import performance_map as _map
 from screwsim.study.pool.progress import Progress, progress_of
 from screwsim.study.stages import scene_or_stages
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 ResultsLike = Results | str | os.PathLike[str]
 

@@ -11,7 +11,7 @@ from screwsim.report import style
 from screwsim.results import open_results
 from screwsim.results.read import count_statuses
 from screwsim.scene import loads
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 SECRET = "what lies in another file"
 SHORT = "sweep:\n  operation.speed: [1000 rpm, 2000 rpm, 3000 rpm]\n  oil_supply.ratio: [0.5, 1, 2, 4]\n"

@@ -9,7 +9,7 @@ import pytest
 from screwsim.export import tespy
 from screwsim.outputs import Figures, Result
 from screwsim.scene import load
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 POINT = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
 T_E, T_C = "operation.evaporating_temperature", "operation.condensing_temperature"

@@ -6,7 +6,7 @@ from each_row import each_row
 from screwsim.outputs import Figures, Result
 from screwsim.scene import load
 from screwsim.study.asked.figures import figure_named, figure_of, figures_of
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 FIT = "scene: small.yaml\ndata: points.csv\nparameters:\n  effects.tip_leakage.gap: {from: 20 um, to: 80 um}\n"
 STAGES = "stages: [small.yaml, small.yaml]\n"

@@ -9,7 +9,7 @@ from each_row import each_row
 from screwsim import cli
 from screwsim.outputs import Figures, Result
 from screwsim.scene import load
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 POINT, MAP = str(CONFIGS / "paper" / "point.yaml"), str(CONFIGS / "r134a" / "map.yaml")

@@ -12,7 +12,7 @@ import pytest
 
 from screwsim.outputs import Figures, Result
 from screwsim.scene import load
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 MAP = """\
 base: oiled.yaml

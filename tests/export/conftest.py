@@ -8,7 +8,7 @@ import pytest
 from screwsim.export.source import map_of
 from screwsim.results import open_results
 from screwsim.scene import load
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))  # for `rotor_mesh`

@@ -16,7 +16,7 @@ from screwsim.outputs import Figure
 from screwsim.results import open_results
 from screwsim.results.schema import Axis
 from screwsim.scene import load
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 pytestmark = pytest.mark.around
 

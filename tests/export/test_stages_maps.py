@@ -309,8 +309,8 @@ def test_an_axis_is_named_as_its_exports_name_it():
     at = "evaporating_temperature=-25 degC, condensing_temperature=35 degC"
     (point,) = points_at(results, maps, [f"{at}, second_speed={150.0 * 30.0 / np.pi} rpm"])
     assert point.figures == {"cop": 150.0}
-    both = r"state first_speed and second_speed as well, e\.g\. first_speed=2864\.788976 rpm"
-    with pytest.raises(UsageError, match=both):
+    told = r"state first_speed and second_speed as well, e\.g\. first_speed=2864\.788976 rpm"
+    with pytest.raises(UsageError, match=told):
         points_at(results, maps, [at])
     with pytest.raises(UsageError, match="did you mean 'second_speed'"):
         points_at(results, maps, [f"{at}, second_sped=1 rpm"])

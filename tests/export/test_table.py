@@ -18,7 +18,7 @@ from screwsim.results import open_results
 from screwsim.scene import load, with_values
 from screwsim.scene.write import scene_text
 from screwsim.study.maps import short_names
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 pytestmark = pytest.mark.around
 

@@ -12,7 +12,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 pytestmark = pytest.mark.around
 SCENE = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
@@ -91,7 +91,7 @@ def test_what_one_share_of_heat_makes_is_told(tmp_path):
 @pytest.mark.parametrize(
     ("change", "figure"),
     [
-        ("effects.economizer={temperature: 18 degC, opens: 420 deg, closes: 520 deg, area: 1 cm^2}", "the condenser"),
+        ("effects.economizer={temperature: 18 degC, opens: 420 deg, closes: 520 deg, area: 1 cm^2}", "power"),
         ("effects.liquid_injection={opens: 500 deg, closes: 600 deg, area: 4 mm^2}", "the condenser"),
         ("gas.model=ideal", "power"),
     ],

@@ -28,7 +28,7 @@ from screwsim.results import open_results
 from screwsim.scene import loads
 from screwsim.scene.operation import QUALITY, SUPERHEAT
 from screwsim.study.maps.performance_map import COEFFICIENT_NAMES, polynomial
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 pytestmark = pytest.mark.around
 S, D = 2.0, 44.0  # [°C] inside

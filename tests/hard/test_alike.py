@@ -14,7 +14,7 @@ from screwsim.numerics.folder import cache_folder
 from screwsim.results import open_results
 from screwsim.scene import loads
 from screwsim.simulate import simulate
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 SWEEP = {  # histories that take few turns, coupled chambers, no oil; no case takes seconds
     "oil.transport": "carried",

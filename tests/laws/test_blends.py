@@ -20,7 +20,7 @@ from screwsim.inputs.faults import SceneError
 from screwsim.scene import load
 from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.simulate import simulate
-from screwsim.study.sweep.run import sweep
+from screwsim.study.sweep import sweep
 
 CONFIG = Path(__file__).parents[2] / "configs" / "r454b" / "point.yaml"
 DOCS = Path(__file__).parents[2] / "docs" / "reference"

@@ -92,6 +92,15 @@ def test_the_balance_closes_where_an_economizer_gets_more_gas_than_it_gives(back
     assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
 
 
+def test_the_balance_closes_where_a_port_draws_more_vapour_than_the_liquid_gives_off():
+    """Nothing else evaporates the rest than the condenser: with vapour from nothing the heating COP was too good."""
+    port = "effects.economizer={temperature: 30 degC, opens: 400 deg, closes: 480 deg, area: 2 cm^2}"
+    p = simulate(load(CONFIGS / "r134a" / "separator.yaml", [port, "numerics.error=none"]), trace=False).performance
+    assert p.economizer_draw_ratio > 1.5 and p.economizer_heat_lacking > 0.1 * p.shaft_power
+    brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.economizer_heat_loss
+    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
+
+
 @pytest.mark.parametrize("closes", [600, 640])
 def test_the_balance_closes_where_gas_is_pushed_back_into_the_liquid_line(closes):
     """Chambers above the condenser's pressure: what they push back condenses in the line, and its heat is told."""

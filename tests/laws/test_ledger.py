@@ -236,7 +236,7 @@ def test_without_traces_and_errors_nothing_is_computed(monkeypatch):
 
 
 def test_a_sweep_that_keeps_no_cycle_computes_none(monkeypatch, tmp_path):
-    from screwsim.study.sweep.run import run_sweep
+    from screwsim.study.sweep import run_sweep
 
     monkeypatch.setattr(Trajectory, "account", lambda *_: pytest.fail("the ledger was computed"))
     scene = make({**HURRIED, "sweep": {"operation.speed": ["1000 rpm", "3000 rpm"]}})
@@ -266,7 +266,7 @@ def test_what_is_open_of_energy_counts_against_no_less_in_the_entropy_balance():
 
 
 def test_a_sweep_that_keeps_the_cycle_keeps_the_ledger(tmp_path):
-    from screwsim.study.sweep.run import run_sweep
+    from screwsim.study.sweep import run_sweep
 
     scene = make({"sweep": {"operation.speed": ["1000 rpm", "3000 rpm"]}, "output": {"keep": "cycle"}})
     assert run_sweep(scene, tmp_path / "x.h5", jobs=2).ok == 2

@@ -11,7 +11,7 @@ from screwsim.machine.profile_law import laid_curves
 from screwsim.report.rotors_scene import table_files
 from screwsim.scene import load
 from screwsim.simulate import simulate
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 CONFIGS = Path(__file__).parents[2] / "configs" / "rotors"
 IDEAL = (  # one small compiled model for what needs no real gas

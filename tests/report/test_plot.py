@@ -18,7 +18,7 @@ from screwsim.report.overlay import draw_overlay
 from screwsim.report.trace import chosen_trace
 from screwsim.results import save
 from screwsim.scene import loads
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 
 @pytest.fixture

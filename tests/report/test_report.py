@@ -41,7 +41,7 @@ from screwsim.report.style import COLOURS, DOUBLE, MM, SINGLE, journal, line_sty
 from screwsim.report.trace import chosen_trace
 from screwsim.results import Results, open_results, warning_kinds
 from screwsim.scene import load, loads
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 pytestmark = pytest.mark.around
 

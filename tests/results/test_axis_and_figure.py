@@ -5,7 +5,7 @@ from pathlib import Path
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.scene import load
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 POINT = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
 

@@ -12,7 +12,7 @@ from screwsim.results.protection import protect_other_heads
 from screwsim.results.write import Draft
 from screwsim.scene import load
 from screwsim.study.optimize import store
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 from screwsim.study.sweep.shards import Parts
 
 POINT = str(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml")

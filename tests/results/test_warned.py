@@ -13,7 +13,7 @@ from screwsim.printing import MOST_WARNINGS, print_sweep, sweep_document
 from screwsim.results import open_results, save
 from screwsim.results.warning_kinds import WarningKind, cases_with_warnings, warning_kinds
 from screwsim.scene import Scene, grid, with_values
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 OVER = "the estimated error of shaft_power, {:.2g}, is above the wanted accuracy 0.0003"
 

@@ -25,7 +25,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.scene import Scene, loads
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 HERE = Path(__file__).parent
 PACKAGE = Path(screwsim.__file__).parents[1]

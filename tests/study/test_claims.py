@@ -10,7 +10,7 @@ import pytest
 from screwsim.results import open_results
 from screwsim.scene import load
 from screwsim.study.claims import claims, curve_optimum, main, table, value_at
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 PAPER = Path(__file__).resolve().parents[2] / "configs" / "paper"
 

@@ -38,8 +38,8 @@ from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
 from screwsim.scene import load
 from screwsim.study.pool.workers import stop_executor
+from screwsim.study.sweep import run_sweep
 from screwsim.study.sweep.cluster import Cluster
-from screwsim.study.sweep.run import run_sweep
 
 pytestmark = [pytest.mark.slow, pytest.mark.around]
 SETTINGS = {
@@ -188,7 +188,7 @@ def test_the_tls_example_of_the_docs_lets_in_only_who_has_the_certificate(refere
 SWEPT = """\
 import json, socket, ssl
 from result_fakes import fake_simulate, scene, SCENE, GRID
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 host, port = json.load(open("s.json"))["address"].removeprefix("tls://").rsplit(":", 1)
 stranger = ssl._create_unverified_context().wrap_socket(socket.create_connection((host, int(port))))
 try:

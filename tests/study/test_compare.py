@@ -15,7 +15,7 @@ from screwsim.results import open_results, save
 from screwsim.scene import load, loads
 from screwsim.simulate import simulate
 from screwsim.study.compare import compare, matched
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 from screwsim.study.uncertainty.point import with_uncertainty
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"

@@ -24,7 +24,7 @@ from sweep_fakes import (
 
 from screwsim.results import open_results
 from screwsim.study.pool.parallel import parallel_map
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 pytestmark = [pytest.mark.around, pytest.mark.usefixtures("one_moment")]
 

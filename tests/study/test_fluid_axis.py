@@ -17,7 +17,7 @@ from screwsim.results.write import write_tables
 from screwsim.scene import case, loads
 from screwsim.simulate import simulate
 from screwsim.study.compare import compare
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 PLAIN = Path(__file__).parents[1] / "plain" / "r134a.yaml"
 FLUIDS = ["R134a", "R402A", "R508B", "R454B"]  # the second has a pair without data, the third no saturation at 45 degC

@@ -20,9 +20,9 @@ from screwsim.numerics import sources
 from screwsim.results import identity, open_results
 from screwsim.results.schema import identity_of
 from screwsim.scene import loads
+from screwsim.study.sweep import run_sweep
 from screwsim.study.sweep.agreement import FileWatch, requirements_of, what_differs
 from screwsim.study.sweep.cases import run_packed
-from screwsim.study.sweep.run import run_sweep
 
 
 def test_values_of_a_scene_are_texts_wherever_they_stand_in_it():

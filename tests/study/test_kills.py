@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from sweep_fakes import assert_same, chained, forked, grid_scene, held, slow
 
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 pytestmark = [pytest.mark.slow, pytest.mark.around]
 SPAN = 0.6  # [s] that the sweep takes, on idle cores

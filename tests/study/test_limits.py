@@ -17,7 +17,7 @@ from screwsim.results import atomic
 from screwsim.scene.grid import MOST_CASES
 from screwsim.study.asked.spans import Span
 from screwsim.study.pool.progress import OccasionalLine, Progress, TerminalBar, for_terminal
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 from screwsim.study.uncertainty.sobol import sensitivity
 
 pytestmark = pytest.mark.usefixtures("one_moment")

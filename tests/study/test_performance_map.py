@@ -18,7 +18,7 @@ from screwsim.results import open_results
 from screwsim.scene import load, loads
 from screwsim.study.maps.map_points import evaluate_map
 from screwsim.study.maps.performance_map import PerformanceMap, performance_maps, polynomial, usual_figures
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 CONFIGS = Path(__file__).parents[2] / "configs" / "r134a"
 POWER = (8.1e3, -42.0, 151.0, -3.1, 2.2, 0.9, -0.011, 0.021, -0.017, 0.0042)

@@ -17,7 +17,7 @@ from screwsim.scene import loads
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.optimize import optimize
 from screwsim.study.seek import find, find_each, question
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 from screwsim.study.uncertainty.slopes import Sensitivities
 from screwsim.study.uncertainty.spreads import FigureUncertainty, Uncertainty
 

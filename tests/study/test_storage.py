@@ -23,9 +23,8 @@ from screwsim.results.write import Draft, write_tables
 from screwsim.scene import Scene, case, case_count
 from screwsim.scene.grid import dimensions
 from screwsim.study.columns import Column, write_columns
-from screwsim.study.sweep import shards
+from screwsim.study.sweep import run_sweep, shards
 from screwsim.study.sweep.cases import Blocks
-from screwsim.study.sweep.run import run_sweep
 from screwsim.study.sweep.shards import Parts
 
 pytestmark = pytest.mark.usefixtures("one_moment")

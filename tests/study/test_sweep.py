@@ -31,7 +31,7 @@ from sweep_fakes import (
 
 from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
-from screwsim.study.sweep.run import run_sweep, sweep
+from screwsim.study.sweep import run_sweep, sweep
 
 pytestmark = pytest.mark.usefixtures("one_moment")
 

@@ -16,8 +16,8 @@ from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.table import join, table_of
 from screwsim.scene import case
 from screwsim.study.datasheet import Sheet, SheetOptions, sheet_of
+from screwsim.study.sweep import run_sweep
 from screwsim.study.sweep.part_files import is_whole, read_part, write_part
-from screwsim.study.sweep.run import run_sweep
 from screwsim.study.uncertainty.point import uncertainty, with_uncertainty
 
 GAP, OTHER, RATIO = "effects.tip_leakage.gap", "effects.interlobe_leakage.gap", "oil_supply.ratio"

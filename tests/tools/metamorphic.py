@@ -31,7 +31,7 @@ from screwsim.simulate import simulate, simulate_many  # noqa: E402
 from screwsim.study.stages import run_stages  # noqa: E402
 from screwsim.study.stages.axes import Intercooler  # noqa: E402
 from screwsim.study.stages.chain import StageChain  # noqa: E402
-from screwsim.study.sweep.run import run_sweep  # noqa: E402
+from screwsim.study.sweep import run_sweep  # noqa: E402
 
 BOTH_ERR = 2.0  # two results that are each within the wanted accuracy differ by at most twice as much
 LEAST = 0.1  # volumetric efficiency below which the flow passes through zero: then its share of a filling is judged

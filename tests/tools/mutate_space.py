@@ -39,7 +39,7 @@ from screwsim.outputs import Result  # noqa: E402
 from screwsim.results import open_results, save  # noqa: E402
 from screwsim.scene import Scene, case, case_count, load, loads  # noqa: E402
 from screwsim.study.calibration import read_fit  # noqa: E402
-from screwsim.study.sweep.run import run_sweep  # noqa: E402
+from screwsim.study.sweep import run_sweep  # noqa: E402
 from screwsim.study.validation import NotRun, read_table  # noqa: E402
 
 KINDS = ("results", "scene", "table", "results", "scene", "table", "scene", "fit", "parts", "table")  # in turn

@@ -13,7 +13,7 @@ from screwsim.build import build_gas
 from screwsim.outputs.customary import RPM
 from screwsim.scene import load
 from screwsim.study.claims import Claim, DisplacementCurve, PumpCurves, claims, read_displacement, read_pump
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 from screwsim.study.validation import Comparison, Panel, Row, Series, equal, read_table, sibling, solved, trend
 
 TITLE = "Chernov et al. 2015: claims A1–A7"

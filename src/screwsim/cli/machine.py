@@ -11,7 +11,6 @@ from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, option, switch
 from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, SCENE_FILE, WITHOUT
 from screwsim.inputs.faults import Interrupted, UsageError
-from screwsim.outputs.customary import RPM
 
 LEAST_CREEP = 0.1  # [rpm] slowest start
 
@@ -19,6 +18,7 @@ LEAST_CREEP = 0.1  # [rpm] slowest start
 def _creep_speed(text: str) -> float:
     """Return the speed [rad/s] of --creep; raise UsageError for one that is none."""
     from screwsim.inputs.declare import KINDS
+    from screwsim.outputs.customary import RPM
     from screwsim.scene.units import NUMBER, parse_quantity, refused_at
 
     with refused_at(f"--creep {text}"):

@@ -203,7 +203,7 @@ def sweep(
             "one point is simulated by screwsim run)"
         )
     from screwsim.printing import print_json, print_sweep, sweep_document
-    from screwsim.study.sweep.run import run_sweep
+    from screwsim.study.sweep import run_sweep
 
     if output is not None:
         options.check_results(output)

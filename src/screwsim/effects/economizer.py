@@ -36,6 +36,7 @@ GIVEN_AWAY, EVAPORATES = "given_away", "evaporates"
 GAIN = "economizer_capacity_gain"
 DRAW = "economizer_draw_ratio"
 HEAT_LOSS = "economizer_heat_loss"
+LACKING = "economizer_heat_lacking"
 DRAWN_TOO_MUCH = 0.02  # relative excess of the drawn vapour over that which the liquid makes, above which is warned
 GIVEN_TOO_MUCH = 0.005  # heat loss over shaft power above which is warned
 PER_FOLD = 8.0  # [K] approximate error of the temperature when the port draws e times the vapour there is
@@ -56,6 +57,11 @@ FIGURES = (
         GAIN, "1", "cooling capacity that the economizer adds, at the same suction flow", BESIDE_RATIO, NEEDS_CONDENSER
     ),
     power_figure(HEAT_LOSS, "heat that gas pushed back into the economizer loses there"),
+    power_figure(
+        LACKING,
+        "heat for the vapour drawn beyond what the liquid gives off, taken from the condenser's",
+        needs=NEEDS_CONDENSER,
+    ),
 )
 
 
@@ -177,7 +183,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
         p = parameters.pressure or constants.dew_pressure(site.fluid, T)
         return site.gas.vapour(p, T + parameters.superheat)
 
-    return [window_path(NAME, parameters), Plenum(NAME, state, partial(economizer_figures, parameters), GAIN)]
+    return [window_path(NAME, parameters), Plenum(NAME, state, partial(economizer_figures, parameters), GAIN, LACKING)]
 
 
 def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
@@ -205,6 +211,7 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
     none = "the economizer cools no liquid"
     found[DRAW] = evaporating / wanted if wanted > 0.0 else none
     settled = parameters.is_open and abs(evaporating - wanted) <= SETTLED * wanted  # what is left open is not a loss
+    found[LACKING] = 0.0 if settled else max(evaporating - max(wanted, 0.0), 0.0) * drawn.suction_flow
     condensing = max(-ratio, 0.0) * (vapour - h_c)  # gas that stays comes back from the evaporator as liquid
     found[GAIN] = ((wanted if settled else max(0.0, min(evaporating, wanted))) - condensing) / q_0
     return found

@@ -80,6 +80,8 @@ def figures_of(
     if problem.refrigerating_effect is not None:
         condensed, rejected = flow + sum(net for net, _ in drawn), _condenser_heat(problem, circuit, leaving)
         beyond = performance.beyond_suction_gas(problem.scene, problem.inlet.enthalpy, drawn)
+        lacking = sum(found.get(part.lacking) or 0.0 for _, part in parts.all(Plenum))
+        beyond = beyond if isinstance(beyond, str) else beyond - lacking
         take(performance.heating(found, condensed, rejected, beyond))
     take(performance.saturation_figures(problem, found))
     if "intake_pressure" in problem.called:

@@ -42,7 +42,7 @@ from screwsim.scene.types import Joint
 from screwsim.study.asked.varied import Varied
 from screwsim.study.pool.progress import Progress
 from screwsim.study.stages.store import chain_text, save_chain
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 from screwsim.study.sweep.stages import sweep_stages
 
 CHECK_POINTS = 32  # check points drawn

@@ -99,12 +99,14 @@ class Plenum:
     """A reservoir of the working fluid beside the two lines; its state is held constant.
 
     `state` computes that state, `figures` the effect's own figures of the closed cycle (a text in place of a value says
-    why there is none), both in plain Python, once a run. `gain` names the figure by which the cooling capacity grows.
+    why there is none), both in plain Python, once a run. `gain` names the figure by which the cooling capacity grows,
+    `lacking` that of a heat [W] by which the heating capacity falls.
     """
 
     name: str
     state: Callable[[Site], Reservoir]
     figures: Callable[[Drawn], Given] | None = None
     gain: str = ""
+    lacking: str = ""
     product: bool = True  # whether its gas counts as gas that the machine compresses (M101)
     evaporates: bool = False  # whether it is liquid, which cools the gas by evaporating

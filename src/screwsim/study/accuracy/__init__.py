@@ -32,7 +32,7 @@ from screwsim.study.accuracy.measure import (
 )
 from screwsim.study.accuracy.solving import QUICK_SCOPE, Case, Scope, all_cases, omitted_methods
 from screwsim.study.pool.progress import Progress
-from screwsim.study.sweep.run import run_sweep
+from screwsim.study.sweep import run_sweep
 
 __all__ = ["QUICK_SCOPE", "Case", "MeasuredCase", "NoReference", "Reference", "Scope", "Study", "study"]
 SPEED_RANGE = 0.2  # of the speed, up and down: range of a sweep's points
