@@ -9,14 +9,13 @@ from screwsim.fluid.oils import OILS
 from screwsim.fluid.transport import transport
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.slide import fitting_slide
-from screwsim.outputs.customary import in_celsius
+from screwsim.outputs.customary import RPM, in_celsius
 from screwsim.scene import loads
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.duty import EFFICIENCIES, Duty, conditions, duty_of
 from screwsim.template.request import SceneRequest
 
-RPM = math.pi / 30.0
 OIL_COOLED_FROM = 350.0  # [K] after isentropic compression, from which the oil is cooled
 LEAVES, ABOVE = 348.15, 35.0  # [K] outlet temperature of gas and oil then, and least margin above condensing
 BEYOND_MIXTURE = 15.0  # [K] by which gas that left chambers may at least be hotter than the mixture: assumed
