@@ -25,6 +25,7 @@ PAGES = (DOCS / "explanation" / "errors.md", DOCS / "reference" / "constants.md"
 NUMERICS = "".join(page.read_text(encoding="utf-8") for page in PAGES)
 NOMENCLATURE = (DOCS / "reference" / "nomenclature.md").read_text(encoding="utf-8")
 CONSTANTS = re.findall(r"^\| `([\w.]+)\.([A-Z_]+)` \| ([\d.e-]+) \|", NUMERICS, flags=re.MULTILINE)
+NAMED = re.findall(r"^\| `([\w.]+)\.([A-Z_]+`(?:, `[A-Z_]+`)*) \|", NUMERICS, flags=re.MULTILINE)
 SCENE = """\
 machine: {rotor_diameter: 160 mm, rotor_length: 176 mm, volume: {max: 600 cm^3, phi_A: 60 deg}}
 gas: {fluid: R134a}
@@ -43,6 +44,11 @@ def test_constant_is_that_of_the_code(module, name, value):
 
 def test_the_page_lists_constants():
     assert len(CONSTANTS) >= 5
+
+
+@each_row(("module", "names"), NAMED)
+def test_constants_of_the_page_are_in_the_code_whatever_their_units(module, names):
+    assert set(re.findall(r"[A-Z][A-Z_]+", names)) <= vars(importlib.import_module(f"screwsim.{module}")).keys()
 
 
 def test_tolerances_follow_from_the_accuracy_as_stated():

@@ -9,7 +9,7 @@ from each_row import each_row
 import screwsim
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration import read_fit
-from screwsim.study.validation import read_table, sibling
+from screwsim.study.validation import NotRun, read_table, sibling
 
 ROOT = Path(__file__).parents[2]
 HSK, VARISPEED, CO2 = (ROOT / "validation" / name for name in ("hsk", "varispeed", "co2"))
@@ -78,6 +78,14 @@ def test_one_point_outside_fails_whatever_the_mean(rated, row, compare_of):
     failed = list(compare.farthest("", [near] * 8 + [far], within, basis))
     assert {row.verdict for row in failed} == {"fails"}
     assert [row.ours for row in failed] == pytest.approx([-9.0, -9.0])
+
+
+def test_a_rating_that_has_no_solution_is_told_and_not_left_out(rated, row, compare_of, monkeypatch):
+    compare, scene = compare_of("hsk"), screwsim.load(ROOT / "configs" / "paper" / "point.yaml")
+    monkeypatch.setattr(compare, "with_values", lambda scene, values: scene)
+    monkeypatch.setattr(compare, "simulate", lambda scene, trace: Result("failed", "too hot"))
+    with pytest.raises(NotRun, match=r"°C, 50 Hz: failed.*too hot"):
+        compare.found(scene, [rated.rating(row)])
 
 
 def test_curves_have_the_nominal_values_printed_beside_them(compare_of):

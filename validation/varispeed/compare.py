@@ -20,10 +20,11 @@ ABOUT = (
     "and all other speeds predicted. λ of the source is known to 1.7 %, for its motor's slip is not stated. What it "
     "shows: a new cylinder fills and works far better than this machine. The motor's heat is a quarter of the "
     "difference in λ; the fit puts the rest into more clearance (3.3 % for 2 %), leakier rings and a warmer wall, and "
-    "the power into losses of a quarter of the indicated power. So fitted, it has the electrical efficiency at all "
-    "speeds. λ it has but where the discharge reed closes late: at the highest pressure ratio a quarter of the gas "
-    "flows back at 40 Hz and an eighth at 87 Hz, none at 25 and 50 Hz, and of such a course the source shows nothing. "
-    "A reed of one mass, hardly damped (ζ = 0.1, assumed), is too sharp at speeds for which it was not sized."
+    "the power into losses of a quarter of the indicated power. So fitted, it has the electrical efficiency "
+    "within 4 points at all speeds. λ it has but where the discharge reed closes late: at the highest pressure ratio a "
+    "quarter of the gas flows back at 40 Hz and an eighth at 87 Hz, none at 25 and 50 Hz, and of such a course the "
+    "source shows nothing. A reed of one mass, hardly damped (ζ = 0.1, assumed), is too sharp at speeds for which it "
+    "was not sized."
 )
 MODEL, CONDITION = "4CE-6.F1", "-10/45"
 WRITTEN = ("effects.motor.cooling=ambient", "effects.suction_line=off")  # as `screwsim new` writes it

@@ -231,7 +231,7 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
     if loss > GIVEN_TOO_MUCH * power > 0.0:
         what = f"gas that chambers push back into the economizer loses {loss:.3g} W there, {100.0 * loss / power:.2g} %"
         keeps = f", or write effects.{NAME}.backflow: {EVAPORATES}, which keeps the heat that the liquid takes up"
-        yield f"{what} of the shaft power (close the port earlier{keeps if ratio >= 0.0 else ''})"
+        yield f"{what} of the shaft power (close the port earlier{keeps if flow > 0.0 and ratio >= 0.0 else ''})"
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -26,13 +26,14 @@ from screwsim.model import compiled, leases, speed
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_OMEGA, Q_WORK, R_SUCTION
 from screwsim.outputs import Figures
+from screwsim.outputs.customary import RPM
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 from screwsim.scene.types import Scene
 from screwsim.solve import circuit, drive
 
 Array = np.ndarray
 Told = Callable[[float], None]
-CREEP_SPEED = 30.0 * math.pi / 30.0  # rad/s, initial speed
+CREEP_SPEED = 30.0 * RPM  # rad/s, initial speed
 LONGEST = 10.0  # s, longest start-up
 MOST_PITCHES = 4000  # of a start-up
 MOST_TURNS = 8  # rounds of chambers and drive within a pitch
@@ -342,4 +343,4 @@ def _traces(pitches: list[StartUpPitch], pitch: float) -> dict[str, Array]:
 
 def _rpm(omega: float) -> str:
     """Return a speed [rad/s] as text in rpm."""
-    return f"{omega * 30.0 / math.pi:.5g} rpm"
+    return f"{omega / RPM:.5g} rpm"

@@ -9,14 +9,13 @@ from screwsim.fluid.oils import OILS
 from screwsim.fluid.transport import transport
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.slide import fitting_slide
-from screwsim.outputs.customary import in_celsius
+from screwsim.outputs.customary import RPM, in_celsius
 from screwsim.scene import loads
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.duty import EFFICIENCIES, Duty, conditions, duty_of
 from screwsim.template.request import SceneRequest
 
-RPM = math.pi / 30.0
 OIL_COOLED_FROM = 350.0  # [K] after isentropic compression, from which the oil is cooled
 LEAVES, ABOVE = 348.15, 35.0  # [K] outlet temperature of gas and oil then, and least margin above condensing
 BEYOND_MIXTURE = 15.0  # [K] by which gas that left chambers may at least be hotter than the mixture: assumed
@@ -166,12 +165,13 @@ def _evidence_comments(fluid: str) -> str:
     if fluid.lower() in CURVES:
         return (
             "Those curves are a mean over five refrigerants including this one;\n"
-            "# on R134a at 0/40 degC such machines of 250 to 3000 m^3/h lie within 4 points of their lambda and 6 of "
+            "# on R134a at 0/40 degC such machines of 100 to 3000 m^3/h lie within 4 points of their lambda and 6 of "
             "their eta_s.\n"
             "# Single machines of one maker on R134a (validation/hsk) have a lambda up to 11 points higher at 84 to "
             "192 m^3/h\n"
-            "# and 50 Hz, more at lower speeds, and 2 to 6 lower at 535; their electrical efficiency is within 8.\n"
-            "# The line `uncertainty: {model: screw_r134a}` states that beside each figure."
+            "# and 50 Hz, 16 at lower speeds, and 2 to 6 lower at 535; their electrical efficiency is up to 8 lower at "
+            "50 Hz,\n"
+            "# 13 at 25. With `uncertainty: {model: screw_r134a}` added, a run on R134a states that beside both."
         )
     return (
         f"On {fluid} lambda and eta_s rest on the laws and on that fit\n"

@@ -47,7 +47,7 @@ def sensitivities(
     Two stages are given by the path of their file: the figures are those of both together, found in one process
     (`jobs`, `progress` are for one machine). Pass the `result` if it is known already. With fine=False
     derivatives are good to 1e-3 instead of 1e-5 and cost less (docs/explanation/derivatives.md). Raises UsageError
-    for a path or a figure that does not exist, and for a result of another scene.
+    for a path or a figure that does not exist, and for a result of another scene; of two stages it is taken as theirs.
     """
     from screwsim.study.stages import scene_or_stages
 
