@@ -159,6 +159,14 @@ def test_a_known_solution_of_both_is_not_solved_again(plant, monkeypatch):
     assert compare_measured(read_stages(path), solution, measured).why == ""
 
 
+def test_a_result_of_two_other_stages_is_refused(plant):
+    path = plant()
+    other = run_stages(read_stages(path, ["second.operation.speed=1200 rpm"])).as_result()
+    for asked in (lambda: screwsim.sensitivities(path, result=other), lambda: screwsim.uncertainty(path, result=other)):
+        with pytest.raises(UsageError, match="belongs to two other stages: the second one has another machine, speed"):
+            asked()
+
+
 def test_a_result_of_one_machine_is_none_of_two(plant):
     with pytest.raises(UsageError, match="result: belongs to one machine, and here are two stages"):
         screwsim.sensitivities(plant(), result=Result("ok"))

@@ -13,10 +13,11 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import STAGES, Figures, Result
 from screwsim.outputs.customary import in_celsius
 from screwsim.outputs.display import picked
-from screwsim.scene import Scene
+from screwsim.scene import Scene, lines
 from screwsim.study.stages.axes import STAGE_NAMES, Intercooler
 
 if TYPE_CHECKING:
+    from screwsim.study.stages.chain import StageChain
     from screwsim.study.stages.figures import StagePair
 
 PRESSURE_STEP = 1.02  # factor of the pressure between the stages, for the slopes by that pressure
@@ -63,10 +64,19 @@ class WholeResult(Result):
     whole: ChainResult = field(default=ChainResult("failed"), compare=False)
 
 
-def solution_of(result: Result) -> ChainResult:
-    """Return the solution of two stages that a result is of; raise UsageError for that of one machine."""
+def solution_of(result: Result, chain: StageChain) -> ChainResult:
+    """Return the solution of two stages that a result is of.
+
+    Raise UsageError for that of one machine, and of two whose machines, speeds or outer pressures are others.
+    """
     if not isinstance(result, WholeResult):
         raise UsageError("result: belongs to one machine, and here are two stages (leave it out)")
+    for (stage, here), there in zip(chain.by_stage.items(), result.whole.scenes, strict=False):
+        same = here.machine == there.machine and here.operation.speed == there.operation.speed
+        outer = "p_s" if stage == STAGE_NAMES[0] else "p_d"
+        if not (same and getattr(lines(here), outer) == getattr(lines(there), outer)):
+            what = f"belongs to two other stages: the {stage} one has another machine, speed or outer pressure"
+            raise UsageError(f"result: {what} (pass that of these two, or none)")
     return result.whole
 
 

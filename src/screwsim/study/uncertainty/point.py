@@ -47,7 +47,7 @@ def sensitivities(
     Two stages are given by the path of their file: the figures are those of both together, found in one process
     (`jobs`, `progress` are for one machine). Pass the `result` if it is known already. With fine=False
     derivatives are good to 1e-3 instead of 1e-5 and cost less (docs/explanation/derivatives.md). Raises UsageError
-    for a path or a figure that does not exist, and for a result of another scene; of two stages it is taken as theirs.
+    for a path or a figure that does not exist, and for a result of another scene.
     """
     from screwsim.study.stages import scene_or_stages
 
@@ -56,7 +56,7 @@ def sensitivities(
         from screwsim.study.stages import solution_of
         from screwsim.study.uncertainty.stages import chain_sensitivities
 
-        known = None if result is None else solution_of(result)
+        known = None if result is None else solution_of(result, given)
         return chain_sensitivities(given, as_list(paths), as_list(figures), fine, known)
     more: dict[str, Any] = {"jobs": jobs, "progress": progress, "result": result, "fine": fine}
     return scene_sensitivities(given, as_list(paths), as_list(figures), **more)
@@ -81,7 +81,7 @@ def uncertainty(
     if not isinstance(given, Scene):
         from screwsim.study.uncertainty.stages import chain_uncertainty
 
-        solution = run_stages(given) if result is None else solution_of(result)
+        solution = run_stages(given) if result is None else solution_of(result, given)
         if solution.status != "ok":
             return Uncertainty({}, Sensitivities(solution.as_result()))
         return chain_uncertainty(given, solution)[0]
