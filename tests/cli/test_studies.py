@@ -207,7 +207,11 @@ def test_indices_are_written(studied, command):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("optimum", "small.yaml"), "oil_supply.ratio: the section oil_supply is not in this scene (write it first)"),
+        (
+            ("optimum", "small.yaml"),
+            "oil_supply.ratio: the scene has no oil supply (vary another path, e.g. --path 'operation.speed=1000 rpm.."
+            "3000 rpm')",
+        ),
         (
             ("optimum", "oiled.yaml", "--path", "oil_supply.ratio=1..2", "--to", "3"),
             "oil_supply.ratio=1..2: states its range (remove --from and --to)",
