@@ -28,6 +28,7 @@ from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling, chec
 from screwsim.machine.drive.train import LinearCoupling, Motor, Train, check_motor
 from screwsim.numerics.identity_cache import keep
 from screwsim.outputs import Figure, Trace, names_of, power_figure
+from screwsim.outputs.customary import RPM
 
 KEPT = 3  # motions remembered: those before and after a turn, and that of the turn that estimates the error
 SWING = "coupling_torque_amplitude", "twist_amplitude"  # the coupling's loss is proportional to their square
@@ -131,10 +132,10 @@ def judged(motion: Response) -> tuple[str, tuple[str, ...], float]:
         )
     order = train.near_resonance(float(motion.twist.mean()), motion.mean_speed)
     if order is not None:
-        at = train.resonance_speed(float(motion.twist.mean()), order) * 30.0 / math.pi
+        at = train.resonance_speed(float(motion.twist.mean()), order) / RPM
         warnings.append(
             f"resonance: lobe harmonic {order} meets the torsional frequency at {at:.5g} rpm, and the speed is "
-            f"{motion.mean_speed * 30.0 / math.pi:.5g} rpm; the amplitude depends on the damping"
+            f"{motion.mean_speed / RPM:.5g} rpm; the amplitude depends on the damping"
         )
     power, loss, load = energies(motion)
     return why, tuple(warnings), abs(power - loss - load) / max(abs(power), abs(loss), abs(load), 1e-300)

@@ -40,7 +40,7 @@ UNITS = {
     "Hz": {"Hz": 1.0},
     "s": {"s": 1.0, "h": 3600.0},
 }
-CELSIUS, ZERO = "degC", 273.15
+CELSIUS = "degC"
 
 
 def units_of(figure: str) -> Mapping[str, float]:

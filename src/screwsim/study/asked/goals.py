@@ -7,10 +7,11 @@ from typing import NamedTuple
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene import Scene
 from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.units import NUMBER, gauge_pressures_over, parse_quantity, refused_at, tidy_unit
-from screwsim.study.asked.figure_units import CELSIUS, UNITS, ZERO, quantity_of
+from screwsim.study.asked.figure_units import CELSIUS, UNITS, quantity_of
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.asked.varied import Varied
 
@@ -91,7 +92,7 @@ def read_figure(figure: str, text: str, where: str, kind: str = "figure") -> flo
     number, unit = float(match[1]), tidy_unit(match[2])
     celsius = declared(figure).units == "K"  # a difference of temperatures has no Celsius form
     if unit == CELSIUS and celsius:
-        return number + ZERO
+        return number + ZERO_CELSIUS
     if unit in units:
         if not unit and declared(figure).scale == EFFICIENCY and abs(number) >= MOST_EFFICIENCY:
             remedy = f"write {match[1]} %, or {number / 100.0:g}"

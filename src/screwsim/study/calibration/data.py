@@ -13,7 +13,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import BadSheet, Row, Sheet, read_sheet
 from screwsim.inputs.textfiles import Unreadable
 from screwsim.outputs import Figure
-from screwsim.outputs.customary import in_celsius
+from screwsim.outputs.customary import ZERO_CELSIUS, in_celsius
 from screwsim.scene import Scene, leaf_of, lines
 from screwsim.scene.fields import Leaf, leaves_of, unknown_key
 from screwsim.scene.numerals import odd_number, odd_number_text
@@ -27,7 +27,7 @@ from screwsim.scene.units import (
 )
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
-from screwsim.study.asked.figure_units import CELSIUS, UNITS, ZERO, quantity_of, units_of
+from screwsim.study.asked.figure_units import CELSIUS, UNITS, quantity_of, units_of
 from screwsim.study.calibration.fit import Measurement, Point
 
 MOST_POINTS = 10_000  # per fit
@@ -268,5 +268,5 @@ def _value(column: _Column, text: str) -> Any:
     if column.quantity is not None:
         return value / column.coverage
     if column.unit == CELSIUS:
-        return value + ZERO
+        return value + ZERO_CELSIUS
     return value * units_of(column.of)[column.unit] / column.coverage

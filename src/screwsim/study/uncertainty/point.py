@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from screwsim.inputs.arguments import FLAG, TEXTS, as_list, checked_arguments, instance, one_of
 from screwsim.inputs.faults import SceneError, UsageError
@@ -49,17 +48,17 @@ def sensitivities(
     derivatives are good to 1e-3 instead of 1e-5 and cost less (docs/explanation/derivatives.md). Raises UsageError
     for a path or a figure that does not exist, and for a result of another scene.
     """
-    from screwsim.study.stages import scene_or_stages
+    from screwsim.study.stages import scene_or_stages, solution_of
 
     given = scene_or_stages(scene)
     if not isinstance(given, Scene):
-        from screwsim.study.stages import solution_of
         from screwsim.study.uncertainty.stages import chain_sensitivities
 
         known = None if result is None else solution_of(result, given)
         return chain_sensitivities(given, as_list(paths), as_list(figures), fine, known)
-    more: dict[str, Any] = {"jobs": jobs, "progress": progress, "result": result, "fine": fine}
-    return scene_sensitivities(given, as_list(paths), as_list(figures), **more)
+    return scene_sensitivities(
+        given, as_list(paths), as_list(figures), jobs=jobs, progress=progress, result=result, fine=fine
+    )
 
 
 @checked_arguments(result=instance(Result, "what simulate returned"))
@@ -85,12 +84,11 @@ def uncertainty(
         if solution.status != "ok":
             return Uncertainty({}, Sensitivities(solution.as_result()))
         return chain_uncertainty(given, solution)[0]
-    scene = given
-    if not scene.uncertain:
+    if not given.uncertain:
         raise UsageError(NO_TOLERANCE)
-    found = slopes_by_inputs(scene, list(scene.uncertain), jobs=jobs, progress=progress, result=result)
-    spreads = spreads_of(scene, found.values, found.derivatives)
-    return Uncertainty(spreads, found, groups_of(scene), found.left_out if found.result.status == "ok" else {})
+    found = slopes_by_inputs(given, list(given.uncertain), jobs=jobs, progress=progress, result=result)
+    spreads = spreads_of(given, found.values, found.derivatives)
+    return Uncertainty(spreads, found, groups_of(given), found.left_out if found.result.status == "ok" else {})
 
 
 def slopes_by_inputs(
