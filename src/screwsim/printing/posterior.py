@@ -17,6 +17,7 @@ from screwsim.report.style import write_all
 from screwsim.results.atomic import write_csv
 from screwsim.results.protection import protect_other_heads
 from screwsim.scene import leaf_of
+from screwsim.scene.grid import unit_of
 from screwsim.screen import say
 from screwsim.study.asked.inputs import in_customary, shown_number, shown_value
 from screwsim.study.calibration.answers import LEVEL, Posterior, Predictions, PredictiveCheck
@@ -191,13 +192,17 @@ def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[st
     """Write the samples, one per row in SI units, the figure of pairs and the predictions; return the paths."""
     if found.samples is None or found.widths is None:
         return []
-    names = [parameter.path for parameter in fit.fit.parameters]
-    widths = [f"{WIDTH}{discrepancy.name} [{declared(discrepancy.name).units}]" for discrepancy in found.discrepancies]
+    names = [_head(parameter.path, unit_of(leaf_of(fit.fit.scene, parameter.path))) for parameter in fit.fit.parameters]
+    widths = [_head(f"{WIDTH}{each.name}", declared(each.name).units) for each in found.discrepancies]
     rows = ([*a, *b] for a, b in zip(found.samples.tolist(), found.widths.tolist(), strict=True))
     written = [write_csv(folder / SAMPLES, [*names, *widths], rows)]
     parameters = [_parameter_samples(fit, found, i) for i in range(len(names))]
     written += write_all({PAIRS: partial(pairs_figure, parameters, LEVEL)}, folder)
     return written if found.predictions is None else written + write_predictions(fit.fit, found.predictions, folder)
+
+
+def _head(name: str, units: str) -> str:
+    return name if units in ("1", "") else f"{name} [{units}]"
 
 
 def _parameter_samples(fit: Calibration, found: Posterior, number: int) -> ParameterSample:
