@@ -1,11 +1,10 @@
 """Rules of mistaken commands: what is told is true, and whoever follows it gets what was meant."""
 
 import pytest
+from each_row import each_row
 
 from screwsim.cli import _parser
 from screwsim.cli.declare import Command
-from each_row import each_row
-
 from screwsim.outputs import Figures, Result
 from screwsim.scene import load
 from screwsim.study.asked.figures import figure_named, figure_of, figures_of
