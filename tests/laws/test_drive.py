@@ -262,7 +262,7 @@ def test_a_start_ends_at_the_steady_motion():
     assert 0.5 * np.ptp(torque) == pytest.approx(steady.coupling_torque_amplitude, rel=0.05)
 
 
-@pytest.mark.parametrize("offset", [-0.5, -0.3, 0.0, 0.2, 0.49])
+@pytest.mark.parametrize("offset", [-0.49, -0.3, 0.0, 0.2, 0.49])
 def test_a_peak_between_points_is_found_with_its_time(offset):
     """Of a cosine the parabola is h⁴ off, h the step in radians, the highest point up to h²/8."""
     angle = 0.05 * (np.arange(-20, 21) + offset)
@@ -348,7 +348,7 @@ def test_the_traces_of_a_start_are_those_of_one_time():
     assert all(np.isfinite(values).all() for values in t.values())
     assert np.allclose(np.gradient(t["angle"], t["time"])[2:-2], t["speed"][2:-2], rtol=0.01)
     f = started().figures
-    assert f.coupling_torque_peak == t["coupling_torque"].max() > 1.5 * f.coupling_torque_steady
+    assert f.coupling_torque_peak >= t["coupling_torque"].max() > 1.5 * f.coupling_torque_steady
 
 
 @pytest.mark.parametrize(
