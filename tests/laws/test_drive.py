@@ -6,16 +6,17 @@ from functools import cache
 import numpy as np
 import pytest
 from monolith import Monolith, start_of
-from scenes import SOLUBLE_RATE, closed, make, refusal, run
+from scenes import PUMPED_PORT, SOLUBLE_RATE, closed, make, refusal, run
 
 from screwsim.build import build_parts
+from screwsim.cycle.balances import streams_of
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.inputs.faults import UsageError
 from screwsim.model.compose import compose
-from screwsim.model.slots import P_OMEGA
+from screwsim.model.slots import OF_OIL, P_OMEGA, PORT_OIL, R_TRAPPED
 from screwsim.solve import drive
 from screwsim.solve.start_up import StartUpRun, _peak, start_up, steady_problem
 
@@ -305,6 +306,28 @@ def test_a_start_says_that_it_does_not_follow_plenums():
     with_plenums, without = (start_up(make({**DRIVEN, **more}), CREEP, longest=0.05) for more in (plenums, {}))
     told = [any("a start does not follow plenums" in each for each in one.warnings) for one in (with_plenums, without)]
     assert told == [True, False]
+
+
+def test_a_pumps_oil_goes_with_the_speed_in_a_start():
+    """Through a bore, too, the ratio to the gas is the stated one at any speed: it was in proportion to 1/speed."""
+    problem = steady_problem(make({**DRIVEN, **PUMPED_PORT}), CREEP)
+    machinery = lease_for(problem)
+    task = ClosingTask(problem, machinery, problem.criteria)
+    of = evaluate(problem, drive.close_with_drive(task, close(task)))
+    start = StartUpRun(of, machinery, problem.parts.shaft.respond(of.complete), CREEP, 10.0)
+    integrate, ratios = machinery.pitch, []
+
+    def watched(*arguments):
+        found = integrate(*arguments)
+        oil = streams_of(machinery.composition, found[3])[PORT_OIL, OF_OIL]
+        ratios.append(float(oil) / float(machinery.R[R_TRAPPED]))
+        return found
+
+    machinery.pitch = watched
+    for _ in range(6):
+        start.go_on(start.advance())
+    assert start.drive[1] < 0.4 * start.steady.mean_speed
+    assert ratios == pytest.approx([3.0] * len(ratios), rel=0.1)  # the pump's gas is that of the chamber before
 
 
 def test_a_pitch_of_a_start_is_that_of_chambers_and_drive_in_one_system():

@@ -23,8 +23,9 @@ from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.machine.drive.run_up import Motion, run_up
 from screwsim.machine.drive.train import Train
 from screwsim.model import compiled, leases, speed
+from screwsim.model.renumbering import set_speed
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_OMEGA, Q_WORK, R_SUCTION
+from screwsim.model.slots import Q_WORK, R_SUCTION
 from screwsim.numerics.parabola import top, vertex
 from screwsim.outputs import Figures
 from screwsim.outputs.customary import RPM
@@ -192,7 +193,7 @@ class StartUpRun:
         mean = _mean(motion, pitch)
         at = composition.speed_curve
         assert at is not None  # the scene has a drive
-        composition.P[P_OMEGA] = mean
+        set_speed(composition, problem.parts, mean)
         speed.put(composition.P, at, speed.curve_of(motion.squares / mean**2, motion.slopes / mean**2, pitch))
         y = self.chambers.copy()
         status, angle, _, q = machinery.pitch(y, problem.criteria.rtol, STEP, END_MARGIN)
