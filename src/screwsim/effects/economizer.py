@@ -19,7 +19,13 @@ from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site, Sought, Span
 from screwsim.effects.parts.gap import flow_coefficient
-from screwsim.effects.parts.port_window import CheckWithin, WindowParameters, check_window, lost_by_backflow, window_path
+from screwsim.effects.parts.port_window import (
+    CheckWithin,
+    WindowParameters,
+    check_window,
+    lost_by_backflow,
+    window_path,
+)
 from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend

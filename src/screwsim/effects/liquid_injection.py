@@ -20,7 +20,13 @@ from typing import Any
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site, Sought, Span
 from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.effects.parts.gap import flow_coefficient
-from screwsim.effects.parts.port_window import CheckWithin, WindowParameters, check_window, lost_by_backflow, window_path
+from screwsim.effects.parts.port_window import (
+    CheckWithin,
+    WindowParameters,
+    check_window,
+    lost_by_backflow,
+    window_path,
+)
 from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
