@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import typer
-from typer.core import TyperCommand
+from typer.core import TyperCommand, TyperOption
 
 from screwsim.inputs.faults import UsageError
 
@@ -23,7 +23,7 @@ class Command(TyperCommand):
         """Return what is left of the arguments; raise UsageError."""
         _, _, given = self.make_parser(ctx).parse_args(list(args))
         for each in given:
-            single = each.param_type_name == "option" and not (each.multiple or each.is_flag)
+            single = isinstance(each, TyperOption) and not (each.multiple or each.is_flag)
             if single and given.count(each) > 1:
                 raise UsageError(f"{each.opts[0]}: is given twice, and takes one value (remove one)")
         return super().parse_args(ctx, args)

@@ -75,10 +75,10 @@ def _by_inputs_known(one: PerformanceMap) -> bool:
 def _labels_left_out(results: Results) -> list[str]:
     """Return the inputs that have no derivative at some point of the sweep."""
     lost = parts_left_out(results)
-    if not lost.any():
+    if not lost.any():  # nor any inputs
         return []
     labels = results.contributions[OWN["contributions"]].tolist()
-    return [label for label, some in zip(labels, lost.reshape(-1, len(labels)).any(axis=0), strict=True) if some]
+    return [label for place, label in enumerate(labels) if lost[..., place].any()]
 
 
 def _print_warnings(results: Results) -> None:

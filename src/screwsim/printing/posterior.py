@@ -149,7 +149,7 @@ def write_predictions(fit: Fit, found: Predictions, folder: Path) -> list[str]:
 
 
 def _half_by_inputs(fit: Calibration) -> list[str]:
-    """Return by parameter half of the interval by the tolerances of other inputs; '' at a bound, nothing without any."""
+    """Return by parameter half of the interval by other inputs' tolerances; '' at a bound, nothing without any."""
     if not fit.shifts:
         return []
     errors = errors_by_inputs(fit.shifts, len(fit.fit.parameters))
