@@ -168,6 +168,19 @@ def test_a_map_says_how_far_the_tolerances_of_the_inputs_move_its_points(tmp_pat
     assert out.read_text().partition("\n")[0].endswith(",by_inputs")
 
 
+def test_a_map_names_an_input_that_has_no_derivative_at_some_point(tmp_path, capsys):
+    def lost_in_the_cold(scene):
+        result = with_tolerance(scene)
+        lost = {"oil.heat_capacity": "failed"} if scene.operation.evaporating_temperature < 273.0 else {}
+        groups = [["effects.tip_leakage.gap"], ["oil.heat_capacity"]]
+        told = {**result.uncertainty, "groups": groups, "left_out": lost}
+        return replace(result, uncertainty=told) if result.status == "ok" else result
+
+    exit_code(["map", str(swept(tmp_path, *AXES, simulate=lost_in_the_cold).path), "--figure", "shaft_power"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "without oil.heat_capacity, whose part is unknown at some points, so too small there" in told
+
+
 def test_a_map_without_tolerances_has_no_line_of_them(known, capsys):
     assert exit_code(["map", known, *(f"--figure={name}" for name in NO_CAPACITY)]) == 4
     assert "tolerances" not in capsys.readouterr().out
