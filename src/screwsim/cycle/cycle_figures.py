@@ -15,7 +15,18 @@ from screwsim.fluid.moist_air import after_draining
 from screwsim.inputs.faults import checked_own_number
 from screwsim.model.parts import Parts
 from screwsim.model.port_states import SOME_OIL
-from screwsim.model.slots import OF_OIL, PORT_OIL, PORT_STATE, PRESSURE, Q_WORK, R_INJECTED, R_PRESSURE, R_SUCTION
+from screwsim.model.slots import (
+    OF_OIL,
+    PORT_OIL,
+    PORT_STATE,
+    PRESSURE,
+    Q_WORK,
+    R_INJECTED,
+    R_PRESSURE,
+    R_SUCTION,
+    SUCTION_IN,
+    SUCTION_OUT,
+)
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.frozen import fast_init
 
@@ -85,6 +96,10 @@ def cycle_figures(
     T_oil = parts.oil.temperature if parts.oil is not None else None
     injected, p_injection = float(life.R[R_INJECTED]), float(life.R[R_PRESSURE])
     p_source = parts.oil.source_pressure if parts.oil is not None else problem.lines.p_d
+    if parts.oil is not None and parts.geometry.expands:  # with the gas, less what flows back (M485)
+        streams = streams_of(problem.composition, q)
+        injected = float(streams[SUCTION_IN, OF_OIL] + streams[SUCTION_OUT, OF_OIL])
+        p_injection = problem.suction.pressure
     p_delivery = max(p_injection, p_source)
     if problem.composition.ported:
         injected = float(streams_of(problem.composition, q)[PORT_OIL, OF_OIL])

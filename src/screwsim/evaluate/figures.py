@@ -90,7 +90,7 @@ def figures_of(
     if parts.suction_line:
         found |= _of_suction_line(problem, life, streams, suction_line.suction_heat(problem, shaft))
     if parts.geometry.expands:
-        take(_of_expander(problem, life, found, drawn))
+        take(_of_expander(problem, life, known, found, drawn))
     if parts.walls:
         found["wall_heat"] = float(q[slots.Q_WALLS : slots.Q_WALLS + 2 * len(parts.walls) : 2].sum()) * rate
     take(performance.readings(parts, known, found))
@@ -133,7 +133,11 @@ def _refrigerating_effect(problem: Problem, found: Mapping[str, Any]) -> float |
 
 
 def _of_expander(
-    problem: Problem, life: Trajectory, found: dict[str, Any], drawn: Sequence[tuple[float, Reservoir]]
+    problem: Problem,
+    life: Trajectory,
+    known: CycleFigures,
+    found: dict[str, Any],
+    drawn: Sequence[tuple[float, Reservoir]],
 ) -> Given:
     """Return the figures that an expander has in place of a compressor's; `drawn` as in `performance.efficiencies`."""
     geometry, closes = problem.parts.geometry, problem.parts.geometry.inlet_closes
@@ -142,6 +146,8 @@ def _of_expander(
     own = float(found["gas_mass_flow"]) * (problem.h_isentropic - problem.inlet.enthalpy)
     work = problem.parts.gas.isentropic_work_of_enthalpy  # of what own plenums add; negative for what expands (M101)
     power = own + sum(net * work(state.p, problem.lines.p_d, state.h) for net, state in drawn)
+    if problem.parts.oil is not None:
+        power += known.oil_volume_flow * (problem.lines.p_d - problem.lines.p_s)  # (M486)
     return performance.figures_of_expander(found, power, filled)
 
 

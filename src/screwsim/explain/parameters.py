@@ -111,8 +111,7 @@ def parameters(scene: Scene, names: Sequence[str] = ()) -> str:
     A name may continue to one key (`tip_leakage.gap`). Raise UsageError for an unknown name.
     """
     kind = scene.machine.kind
-    fitting = {name: effect for name, effect in catalogue().items() if effect.fits(kind_of(scene.machine))}
-    known = fitting | {name: active.effect for name, active in scene.effects.items()}
+    known = suitable_effects(scene) | {name: active.effect for name, active in scene.effects.items()}
     asked = [name.removeprefix("effects.") for name in names] or [*SECTIONS, *known]
     return "\n\n".join("\n".join(_section_or_effect(scene, name, known, kind)) for name in asked)
 
