@@ -153,11 +153,13 @@ def _of_expander(
 
 def _of_oil(problem: Problem, life: Trajectory, known: CycleFigures, flow: float) -> dict[str, float | None]:
     """Return the figures of the oil; its ratio is that at the injection angle, or at the end of a port's injection."""
-    port, ratio = problem.parts.oil_port, known.oil_mass_flow / flow if flow > 0.0 else math.inf
+    parts, ratio = problem.parts, known.oil_mass_flow / flow if flow > 0.0 else math.inf
+    port = parts.oil_port
     d = life.R[slots.R_RATIO] if port is None else life.states_at(np.array([port.closes]))[0, slots.S_X_OIL]
+    known_by_gas = parts.geometry.expands and not problem.composition.carried
     return {
         "oil_mass_flow": known.oil_mass_flow,
-        "oil_ratio": float(d),
+        "oil_ratio": parts.arriving_oil if known_by_gas else float(d),
         "oil_flow_ratio": ratio if math.isfinite(ratio) else None,
         "oil_discharge_temperature": known.oil_discharge_temperature,
         "injection_pressure": known.injection_pressure,

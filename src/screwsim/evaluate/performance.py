@@ -1,7 +1,7 @@
 """Performance figures of a cycle: flows, powers, efficiencies, and saturation temperatures of both lines.
 
 A text in place of a figure's value is the reason why there is none.
-Source: docs/model.md M25–M36, M43–M45, M151, M152, M410, M411.
+Source: docs/model.md M25–M36, M43–M45, M151, M152, M410, M411, M486.
 """
 
 from collections.abc import Mapping, Sequence

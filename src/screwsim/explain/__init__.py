@@ -29,7 +29,7 @@ from screwsim.numerics.settings import CLOSINGS
 from screwsim.outputs.customary import in_bar, in_celsius, with_printed_units
 from screwsim.scene.fields import Section, section_of
 from screwsim.scene.grid import FLUID, case_count, dimensions
-from screwsim.scene.plausible import leaks_in_words, suitable_effects
+from screwsim.scene.plausible import leaks_in_words, machine_in_words, suitable_effects
 from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
 
@@ -99,7 +99,8 @@ def _effect_counts(scene: Scene, left_out: tuple[str, ...]) -> str:
     every = catalogue()
     active = sum(name in every for name in scene.effects)
     own = len(scene.effects) - active
-    text = f"{active} of the {active + len(left_out)} of a {scene.machine.kind}; {len(every)} in all"
+    machine = machine_in_words(scene)
+    text = f"{active} of the {active + len(left_out)} of {machine}; {len(every)} in all"
     return f"{text}; {own} of your own" if own else text
 
 

@@ -279,7 +279,12 @@ def left_out_in_words(scene: Scene) -> str:
     usual = list(_usual(scene))
     among = f", among them {joined_names(usual)}, which typical scenes name" if usual else ""
     many = f"{len(left)} effects" if len(left) > 1 else "1 effect"
-    return f"not simulated: {many} of a {scene.machine.kind}{among} (screwsim explain says what each is)"
+    return f"not simulated: {many} of {machine_in_words(scene)}{among} (screwsim explain says what each is)"
+
+
+def machine_in_words(scene: Scene) -> str:
+    """Return what a scene's machine is, with its article."""
+    return "an expander" if scene.machine.expands else f"a {scene.machine.kind}"
 
 
 def _usual(scene: Scene) -> Iterator[str]:
