@@ -91,7 +91,7 @@ class Effect:
     The core never asks for an effect by name; an effect says of itself what the core wants to know. `roles` maps such a
     question (a text of `outputs` or `effects.parts.usual`) to the effect's own `.key` that answers it, or to an empty
     text where the answer is always yes. `usual` says, by what a machine offers, which usual ingredient of a scene it
-    is. `sizes` are those of its keys that must fit into the machine. `in_expander` says whether an expander can have it.
+    is. `sizes` are those of its keys that must fit into the machine. `in_expander`: whether an expander can have it.
     """
 
     name: str
