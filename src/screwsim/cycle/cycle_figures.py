@@ -140,7 +140,7 @@ def cycle_figures(
 
 
 def arriving_oil(problem: Problem, q: Array) -> float:
-    """Return the oil [kg/life] that comes to an expander with its gas, less what flows back (M485)."""
+    """Return the oil [kg/life] that comes to an expander with its gas, less what flows back (M490)."""
     streams, carried = streams_of(problem.composition, q), problem.composition.carried
     net = streams[SUCTION_IN] + streams[SUCTION_OUT]
     return float(net[OF_OIL]) if carried else problem.parts.arriving_oil * float(net[OF_GAS])

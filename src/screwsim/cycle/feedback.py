@@ -277,7 +277,7 @@ def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float, h_d:
         discharge = gas.port_state(p_d, problem.scene.operation.discharge.temperature or gas.nearest_vapour(p_d, T_d))
     R[R_SUCTION : R_SUCTION + UP_TO_OIL] = *problem.suction.port_state(discharge[ENTHALPY]), 0.0, T_oil
     arriving = parts.arriving_oil
-    if arriving > 0.0:  # (M485)
+    if arriving > 0.0:  # (M490)
         R[R_SUCTION + OIL_RATIO] = arriving
         R[R_SUCTION + OIL_TEMPERATURE] += problem.oil_pressure_term(problem.suction.pressure)
         R[R_SUCTION + DENSITY] *= problem.gas_share(float(R[R_SUCTION + DENSITY]), arriving) ** 2

@@ -147,7 +147,7 @@ def _of_expander(
     work = problem.parts.gas.isentropic_work_of_enthalpy  # of what own plenums add; negative for what expands (M101)
     power = own + sum(net * work(state.p, problem.lines.p_d, state.h) for net, state in drawn)
     if problem.parts.oil is not None:
-        power += known.oil_volume_flow * (problem.lines.p_d - problem.lines.p_s)  # (M486)
+        power += known.oil_volume_flow * (problem.lines.p_d - problem.lines.p_s)  # (M491)
     return performance.figures_of_expander(found, power, filled)
 
 

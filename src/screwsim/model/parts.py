@@ -21,7 +21,7 @@ class OilPart:
     """The oil in the model: properties [SI], whether its mass is `carried` as a state, and supply.
 
     `supply` is {'ratio': d} for a pump, or the orifice's density, viscosity, diameter, length, number, p_separator.
-    `with_gas` is the oil per gas that comes in with the gas of the suction line (an expander, M485), else 0.
+    `with_gas` is the oil per gas that comes in with the gas of the suction line (an expander, M490), else 0.
     """
 
     density: float
@@ -146,7 +146,7 @@ class Parts:
 
     @property
     def arriving_oil(self) -> float:
-        """Oil per gas that comes in with the gas of the suction line (an expander, M485); 0 without."""
+        """Oil per gas that comes in with the gas of the suction line (an expander, M490); 0 without."""
         return 0.0 if self.oil is None else self.oil.with_gas
 
     @once

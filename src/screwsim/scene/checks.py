@@ -66,7 +66,7 @@ def _oil_without_injection(scene: Scene) -> Iterator[Fault]:
 
 
 def _oil_with_gas(scene: Scene) -> Iterator[Fault]:
-    """Yield faults of the oil of an expander, which comes in with the gas (M485)."""
+    """Yield faults of the oil of an expander, which comes in with the gas (M490)."""
     supply = scene.oil_supply
     if supply is None or not scene.machine.expands:
         return

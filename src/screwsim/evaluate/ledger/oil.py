@@ -166,7 +166,7 @@ def _carried(cycle: LedgerCycle, sums: OilSums) -> float:
     for end in dict.fromkeys(end for end in ends if not end.kept):
         rows = [row[columns] for row, other in zip(paths, ends, strict=True) if other is end]
         taken = [sum(column) for column in zip(*rows, strict=True)]
-        returns = end.name == SUCTION and cycle.parts.geometry.expands  # to where it came from: its flow is net (M485)
+        returns = end.name == SUCTION and cycle.parts.geometry.expands  # to where it came from: its flow is net (M490)
         source = cycle.lines.p_d if returns else cycle.known.oil_source_pressure
         lost += taken[0] / oil.density * (cycle.lines.p_d - source)
         if taken[0] > 0.0:
