@@ -177,6 +177,13 @@ def test_with_oil_everything_that_comes_in_goes_out():
     assert p.output_power == pytest.approx(-p.indicated_power - losses, rel=1e-9)
 
 
+def test_what_no_cycle_changes_has_no_error():
+    result = simulate(load(OIL), trace=False)
+    for name in ("displacement", "displacement_flow", "built_in_volume_ratio", "suction_pressure", "pressure_ratio"):
+        assert result.error[name] == 0.0, name
+    assert min(result.error[name] for name in ("gas_mass_flow", "oil_mass_flow", "trapped_mass", "shaft_power")) > 0.0
+
+
 def test_coupled_chambers_have_the_same_figures_and_losses_that_need_no_heat_have_their_oil():
     one, other = (run_of(OIL, f"numerics.closing={way}") for way in ("histories", "coupled"))
     for name in ("gas_mass_flow", "oil_mass_flow", "output_power", "oil_discharge_temperature"):
