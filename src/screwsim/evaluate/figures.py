@@ -199,6 +199,8 @@ def _condenser_heat(problem: Problem, circuit: Circuit | str | None, leaving: fl
         return performance.NONE_LEAVES
     h = leaving
     if isinstance(circuit, Circuit) and parted:
+        if circuit.parted.why:
+            return circuit.parted.why
         h = problem.parts.gas.enthalpy(problem.lines.p_d, circuit.parted.T_separator)
     return effect + h - problem.inlet.enthalpy
 
