@@ -160,7 +160,8 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     oil = oil_share = lost = 0.0
     if c.carried and part is not None:
         injected = float(R[slots.R_INJECTED])
-        T_oil = part.temperature + problem.oil_pressure_term(max(part.source_pressure, float(R[slots.R_PRESSURE])))
+        before = problem.suction.pressure if problem.parts.geometry.expands else float(R[slots.R_PRESSURE])
+        T_oil = part.temperature + problem.oil_pressure_term(max(part.source_pressure, before))
         net = sum(of_oil[0])
         energy += part.heat_capacity * (sum(of_oil[1]) - T_oil * net)
         lost, through = abs(net + injected), max(injected, sum(map(abs, of_oil[0])) / 2)

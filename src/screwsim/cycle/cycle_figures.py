@@ -15,7 +15,19 @@ from screwsim.fluid.moist_air import after_draining
 from screwsim.inputs.faults import checked_own_number
 from screwsim.model.parts import Parts
 from screwsim.model.port_states import SOME_OIL
-from screwsim.model.slots import OF_OIL, PORT_OIL, PORT_STATE, PRESSURE, Q_WORK, R_INJECTED, R_PRESSURE, R_SUCTION
+from screwsim.model.slots import (
+    OF_GAS,
+    OF_OIL,
+    PORT_OIL,
+    PORT_STATE,
+    PRESSURE,
+    Q_WORK,
+    R_INJECTED,
+    R_PRESSURE,
+    R_SUCTION,
+    SUCTION_IN,
+    SUCTION_OUT,
+)
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.frozen import fast_init
 
@@ -85,6 +97,8 @@ def cycle_figures(
     T_oil = parts.oil.temperature if parts.oil is not None else None
     injected, p_injection = float(life.R[R_INJECTED]), float(life.R[R_PRESSURE])
     p_source = parts.oil.source_pressure if parts.oil is not None else problem.lines.p_d
+    if parts.oil is not None and parts.geometry.expands:
+        injected, p_injection = arriving_oil(problem, q), problem.suction.pressure
     p_delivery = max(p_injection, p_source)
     if problem.composition.ported:
         injected = float(streams_of(problem.composition, q)[PORT_OIL, OF_OIL])
@@ -123,6 +137,13 @@ def cycle_figures(
         theoretical_torque=lambda: taken_in * (problem.h_isentropic - problem.inlet.enthalpy),  # (M460)
         fluid=problem.scene.gas.name,
     )
+
+
+def arriving_oil(problem: Problem, q: Array) -> float:
+    """Return the oil [kg/life] that comes to an expander with its gas, less what flows back (M490)."""
+    streams, carried = streams_of(problem.composition, q), problem.composition.carried
+    net = streams[SUCTION_IN] + streams[SUCTION_OUT]
+    return float(net[OF_OIL]) if carried else problem.parts.arriving_oil * float(net[OF_GAS])
 
 
 def chamber_end_pressure(problem: Problem, life: Trajectory, to: str) -> float | None:

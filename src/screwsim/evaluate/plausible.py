@@ -84,7 +84,9 @@ def _isentropic(checked: CheckedCycle) -> Iterator[Doubt]:
         return
     words = f"the isentropic efficiency of {eta:.4g} is above 1"
     ideal = "the gas during compression, while the ideal of that figure has no cooling"
-    if checked.expands:
+    if checked.expands and checked.parts.all(HeatRate):
+        yield Doubt(f"{words}: oil warms the gas during expansion, while the ideal of that figure has no heat")
+    elif checked.expands:
         yield Doubt(f"{words}: no expander gives more than the ideal one (check its effects)", "isentropic_efficiency")
     elif checked.parts.all(HeatRate):
         yield Doubt(f"{words}: oil cools {ideal}")

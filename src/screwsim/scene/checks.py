@@ -42,7 +42,7 @@ def cross_check(scene: Scene) -> list[Fault]:
         *machine,
         *size_faults(scene),
         *operation,
-        *([] if operation else _expander(scene)),
+        *([] if operation else _oil_with_gas(scene)),
         *_oil_without_injection(scene),
         *oil_faults(scene),
         *_oil_supply(scene),
@@ -65,11 +65,19 @@ def _oil_without_injection(scene: Scene) -> Iterator[Fault]:
             yield Fault(name, what)
 
 
-def _expander(scene: Scene) -> Iterator[Fault]:
-    """Yield faults of what cannot be combined with an expander; called once the lines are known to be those of one."""
-    if scene.machine.expands and scene.oil_supply is not None:
-        why = "oil is injected where compression begins, which is the end of an expansion"
-        yield Fault("oil_supply", f"needs machine.mode: compressor ({why}; remove it with the effects that need oil)")
+def _oil_with_gas(scene: Scene) -> Iterator[Fault]:
+    """Yield faults of the oil of an expander, which comes in with the gas (M490)."""
+    supply = scene.oil_supply
+    if supply is None or not scene.machine.expands:
+        return
+    comes = "an expander's oil comes in with its gas, in a stated ratio"
+    if not supply.pumped:
+        yield Fault("oil_supply.kind", f"displacement needs machine.mode: compressor ({comes}: write kind: pump)")
+    for name in ("discharge_temperature", "flow"):
+        if getattr(supply, name) is not None:
+            yield Fault(f"oil_supply.{name}", f"needs machine.mode: compressor ({comes}: write ratio, e.g. ratio: 3)")
+    if scene.oil is not None and not scene.oil.carried:
+        yield Fault("oil.transport", f"needs machine.mode: compressor ({comes}: write transport: carried)")
 
 
 def oil_faults(scene: Scene) -> Iterator[Fault]:
@@ -197,6 +205,10 @@ def _effects(scene: Scene) -> Iterator[Fault]:
             fitting = kinds_offering(active.effect.needs)
             fitting = f"applies only to machine.kind: {fitting}" if fitting else f"is not for a {scene.machine.kind}"
             yield Fault(path, f"{fitting} (remove the effect, or change the machine)")
+            continue
+        if not active.effect.suits(kind, scene.machine.expands, scene.oil_supply is not None):
+            dry = ", or to an expander without oil" if active.effect.in_expander == "dry" else ""
+            yield Fault(path, f"applies only to machine.mode: compressor{dry} (remove it)")
             continue
         if active.effect.needs_oil and lacking:
             what = f"needs {' and '.join(lacking)}, which this scene lacks (write that, or remove the effect)"

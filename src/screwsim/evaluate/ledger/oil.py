@@ -166,14 +166,15 @@ def _carried(cycle: LedgerCycle, sums: OilSums) -> float:
     for end in dict.fromkeys(end for end in ends if not end.kept):
         rows = [row[columns] for row, other in zip(paths, ends, strict=True) if other is end]
         taken = [sum(column) for column in zip(*rows, strict=True)]
-        rise = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
-        lost += rise
+        returns = end.name == SUCTION and cycle.parts.geometry.expands  # to where it came from: its flow is net (M490)
+        source = cycle.lines.p_d if returns else cycle.known.oil_source_pressure
+        lost += taken[0] / oil.density * (cycle.lines.p_d - source)
         if taken[0] > 0.0:
-            p = cycle.pressure(end.name) if cycle.parts.oil_room else cycle.lines.p_d
-            pressure = taken[0] / oil.density * (p - cycle.known.oil_source_pressure)
+            p = cycle.pressure(end.name) if cycle.parts.oil_room and not returns else cycle.lines.p_d
+            pressure = taken[0] / oil.density * (p - source)
             energy = oil.heat_capacity * (taken[1] - taken[0] * oil.temperature)
             cycle.add(end.entry, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
-    if not cycle.composition.ported:
+    if not (cycle.composition.ported or cycle.parts.geometry.expands):
         cycle.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
     T_line = float(cycle.R[slots.R_DISCHARGE + slots.OIL_TEMPERATURE]) - pressed
     rise = _thermal(cycle, *_mixed(out, out_T)) - _thermal(cycle, *_mixed(back, back * T_line)) - lost
