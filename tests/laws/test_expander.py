@@ -184,6 +184,17 @@ def test_what_no_cycle_changes_has_no_error():
     assert min(result.error[name] for name in ("gas_mass_flow", "oil_mass_flow", "trapped_mass", "shaft_power")) > 0.0
 
 
+def test_pressure_that_the_shaft_gives_the_oil_is_not_counted_as_brought():
+    """M491: a pump without loss takes from the output what the oil's flow work adds to it, so that 1 stays 1."""
+    pumped, given = "effects.oil_pump={efficiency: 1, pressure_loss: 0 bar}", "oil_supply.source=suction"
+    free, paid, sump = (run_of(OIL, *each) for each in (["effects.oil_pump=off"], [pumped], [pumped, given]))
+    brought = [p.output_power / p.isentropic_efficiency for p in (free, paid, sump)]
+    assert paid.oil_pump_power == pytest.approx(paid.oil_mass_flow / 950.0 * (20e5 - 7e5), rel=1e-9)
+    assert free.output_power - paid.output_power == pytest.approx(paid.oil_pump_power, rel=1e-9)
+    assert brought[0] - brought[1] == pytest.approx(paid.oil_pump_power, rel=1e-6)
+    assert sump.oil_pump_power == 0.0 and brought[2] == pytest.approx(brought[0], rel=1e-9)
+
+
 def test_coupled_chambers_have_the_same_figures_and_losses_that_need_no_heat_have_their_oil():
     one, other = (run_of(OIL, f"numerics.closing={way}") for way in ("histories", "coupled"))
     for name in ("gas_mass_flow", "oil_mass_flow", "output_power", "oil_discharge_temperature"):

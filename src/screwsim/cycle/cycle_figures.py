@@ -193,6 +193,11 @@ def power_losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
     return found
 
 
+def kept_in_oil(parts: Parts, known: CycleFigures) -> float:
+    """Return the part of the losses' powers [W] that raises the oil's pressure (M58)."""
+    return sum(float(part.kept(known)) for _, part in parts.all(PowerLoss) if part.kept is not None)
+
+
 def shaft_power(parts: Parts, known: CycleFigures) -> float:
     """Return the shaft power [W] (M29)."""
     lift = oil_lift(parts, known) if parts.oil is not None else 0.0
