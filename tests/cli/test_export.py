@@ -166,6 +166,13 @@ def test_an_option_of_rotors_is_refused_where_there_are_none_with_a_profile(comm
     answer = command("export", "loads", "small.yaml", "-o", "loads", *given)
     assert (answer.code, answer.out) == (2, "") and not any(Path("loads").glob("*"))
     assert answer.err.startswith(f"{given[0]}: applies to forces and surfaces of rotors with a profile")
+    assert answer.err.endswith(f"(write machine.volume.law: profile, or remove {given[0]}: flows are written)\n")
+
+
+@pytest.mark.parametrize("scene", ["expander/point.yaml", "slider_crank/air.yaml"])
+def test_a_machine_that_can_have_no_such_rotors_is_not_told_to_state_them(command, folder, scene):
+    answer = command("export", "loads", str(POINT.parents[1] / scene), "-o", "loads", "--steps", "8")
+    assert answer.code == 2 and answer.err.endswith("of a compressor (remove --steps: flows are written)\n")
 
 
 def test_loads_of_a_machine_without_profile_are_its_flows(command, folder):

@@ -14,6 +14,7 @@ from screwsim.inputs.faults import SceneError
 from screwsim.machine.geometry import Geometry
 from screwsim.outputs import ledger_entries
 from screwsim.scene import load
+from screwsim.scene.plausible import suitable_effects
 from screwsim.simulate import simulate
 
 POINT = Path(__file__).parents[2] / "configs" / "expander" / "point.yaml"
@@ -289,8 +290,9 @@ REFUSED = {
     "oil_supply.kind: displacement needs machine.mode: compressor": "oil_supply={kind: displacement, ratio: null}",
     "oil_supply.flow: needs machine.mode: compressor": "oil_supply={flow: 40 L/min, ratio: null}",
     "oil.transport: needs machine.mode: compressor": "oil.transport=paper",
-    "effects.oil_injection: .*or to an expander without oil": "effects.oil_injection={opens: 9 deg, closes: 99 deg}",
-    "effects.suction_line: applies only to": "effects.suction_line={}",
+    "effects.oil_injection: .*mode: compressor .remove it": "effects.oil_injection={opens: 9 deg, closes: 99 deg}",
+    "effects.refrigerant_solubility: .*mode: compressor .remove it": "effects.refrigerant_solubility={}",
+    "effects.suction_line: .*or to an expander without oil .remove it": "effects.suction_line={}",
     "effects.plenums: applies only to": "effects.plenums={discharge_volume: 5 l}",
     "effects.separator: lies behind an expander's outlet": "effects.oil_pump=off",
     "oil_supply.source: .* lies behind an expander's outlet": "oil_supply.source=suction",
@@ -302,6 +304,14 @@ REFUSED = {
 def test_what_an_expander_with_oil_cannot_have_is_told(told, changed):
     with pytest.raises(SceneError, match=told):
         load(OIL, [changed])
+
+
+def test_no_expander_is_offered_what_needs_oil_and_is_refused_with_it():
+    """One without oil was told to add oil, one with oil to remove it."""
+    dry = suitable_effects(load(POINT))
+    assert "oil_pump" in dry and not {name for name, effect in dry.items() if effect.needs_oil} - {
+        *suitable_effects(load(OIL))
+    }
 
 
 def test_an_expander_needs_a_lower_discharge():

@@ -380,6 +380,7 @@ def test_the_oil_of_an_expander_takes_up_a_fiftieth_of_the_room_at_its_inlet(sta
     assert 0.9 < p.filling_factor < 1.0 and 0.7 < p.isentropic_efficiency < 1.05  # warm oil gives heat
 
 
+@pytest.mark.slow
 def test_an_expander_lies_within_five_points_of_the_best_that_was_measured():
     """Of the power at its generator, 200 to 600 m³/h (validation/templates); the scene's first lines say 73 to 77 %."""
     row = comparison.measured(ROOT / "validation" / "templates")["hermetic"]

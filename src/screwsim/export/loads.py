@@ -150,7 +150,9 @@ def check_rotors(scene: Scene, option: str) -> None:
     """Raise UsageError where an option of forces and surfaces is given and the scene has no rotors for them."""
     if option and not has_rotors(scene):
         what = "applies to forces and surfaces of rotors with a profile, of a compressor"
-        raise UsageError(f"{option}: {what} (state machine.volume.law: profile, or leave it out: flows are written)")
+        others = scene.machine.kind != TWIN_SCREW or scene.machine.expands
+        remedy = f"remove {option}: flows are written"
+        raise UsageError(f"{option}: {what} ({remedy if others else f'write machine.volume.law: profile, or {remedy}'})")
 
 
 def protect_other_loads(folder: Path) -> None:
