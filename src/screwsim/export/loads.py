@@ -150,9 +150,9 @@ def check_rotors(scene: Scene, option: str) -> None:
     """Raise UsageError where an option of forces and surfaces is given and the scene has no rotors for them."""
     if option and not has_rotors(scene):
         what = "applies to forces and surfaces of rotors with a profile, of a compressor"
-        others = scene.machine.kind != TWIN_SCREW or scene.machine.expands
-        remedy = f"remove {option}: flows are written"
-        raise UsageError(f"{option}: {what} ({remedy if others else f'write machine.volume.law: profile, or {remedy}'})")
+        can = scene.machine.kind == TWIN_SCREW and not scene.machine.expands
+        profile = "write machine.volume.law: profile, or " if can else ""
+        raise UsageError(f"{option}: {what} ({profile}remove {option}: flows are written)")
 
 
 def protect_other_loads(folder: Path) -> None:
