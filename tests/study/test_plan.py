@@ -220,6 +220,29 @@ def test_only_a_candidate_at_which_an_input_has_no_derivative_is_left_out_and_na
     assert (none.inputs, list(none.left_out), len(none.steps)) == ((), [path], 1)
 
 
+def test_an_input_without_a_derivative_at_any_candidate_takes_no_other_input_with_it(tmp_path, monkeypatch):
+    """The length, unknown at 3000 rpm alone, was left out at all points beside a gap that is unknown at each."""
+    given = "\n  interlobe_leakage: {gap: 50 um ± 10 um, length: 130 mm ± 5 mm}"
+    fit = read_fit(write_fit(tmp_path, FIT, POINTS, SCENE.replace("gap: 50 um}", f"gap: 50 um}}{given}")), fixed=False)
+    gap, length = "effects.interlobe_leakage.gap", "effects.interlobe_leakage.length"
+
+    def lost(of, *asked, **more):
+        rpm = 30.0 / np.pi * of.operation.speed
+        left_out = {path: "failed" for path, most in ((gap, 5100.0), (length, 3100.0)) if 2900.0 < rpm < most}
+        found = {gap: 1e8, length: 1e5}
+        return Sensitivities(
+            Result("ok"),
+            values={path: 0.1 for path in found if path not in left_out},
+            derivatives={"shaft_power": {path: each for path, each in found.items() if path not in left_out}},
+            left_out=left_out,
+        )
+
+    monkeypatch.setattr("screwsim.study.uncertainty.point.sensitivities", lost)
+    every = candidates_of(fit, paths=["operation.speed=3000 rpm..5000 rpm"], levels=3)
+    found = plan(fit, every, count=2, jobs=1, simulate=plane)
+    assert (found.inputs, list(found.left_out), list(found.unsure)) == ((length,), [gap], ["3000 rpm"])
+
+
 def test_candidates_are_measured_as_the_points_are(tmp_path):
     fit = fit_of(tmp_path)
     share = typical_uncertainties(fit)["shaft_power"]

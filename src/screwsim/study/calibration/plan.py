@@ -227,9 +227,12 @@ def _known_groups(
 ) -> tuple[tuple[Group, ...], dict[str, str], dict[str, str]]:
     """Return the groups of inputs known at what is measured, those left out, and the candidates without one of them.
 
-    A candidate without an input's derivative would tell too much. Where each lacks one, the inputs are left out.
+    A candidate without an input's derivative would tell too much. An input without one at any candidate is left out, as
+    are all that some candidate lacks where none has each of the others.
     """
-    known, left_out = known_everywhere(groups, (answer.shifts for answer in measured))
+    lost = [answer.shifts.left_out for _, answer in candidates]
+    nowhere = {path: why for path, why in (lost[0] if lost else {}).items() if all(path in each for each in lost)}
+    known, left_out = known_everywhere(groups, (*(answer.shifts for answer in measured), PointShifts({}, nowhere)))
     unsure = {point.name: why for point, answer in candidates if (why := answer.lacking(known))}
     if len(unsure) < len(candidates):
         return known, left_out, unsure
