@@ -178,6 +178,17 @@ def test_a_name_that_is_no_effect_is_told_with_what_is_meant(command, folder):
             "--parameters",
             "ring_leakage",
         ): "--parameters ring_leakage: is not an effect of a twin_screw (screwsim explain lists the possible ones)",
+        **{
+            (
+                str(CONFIGS / "expander" / file),
+                "--parameters",
+                name,
+            ): f"--parameters {name}: is not an effect of {whose} (screwsim explain lists the possible ones)"
+            for file, name, whose in (
+                ("point.yaml", "slide_valve", "an expander"),
+                ("oil.yaml", "plenums", "an expander with oil"),
+            )
+        },
         ("small.yaml", "tip_leakage"): "tip_leakage: only --parameters and --code take a name (write screwsim "
         "explain small.yaml --parameters tip_leakage)",
     }

@@ -17,7 +17,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import find_machine
 from screwsim.machine.protocol import Size
 from screwsim.scene.fields import Leaf, Section, scene_section, section_of, unknown_key, value_at
-from screwsim.scene.plausible import suitable_effects
+from screwsim.scene.plausible import machine_in_words, suitable_effects
 from screwsim.scene.sizes import sizes_of_effect
 from screwsim.scene.types import Scene
 from screwsim.scene.units import customary_unit, readable_quantity, to_customary
@@ -126,7 +126,7 @@ def _section_or_effect(scene: Scene, name: str, known: dict[str, Effect], kind: 
         under, keys = head, section_keys(head, kind)
         yield head if getattr(scene, head) is not None else f"{head} (not in this scene)"
     else:
-        effect = _effect(head, known, kind)
+        effect = _effect(head, known, scene)
         under, keys = f"effects.{head}", effect_keys_of(head, effect, kind)
         yield f"{under} ({'simulated' if head in scene.effects else 'left out'}): {effect.title}"
     asked = [key for key in keys if not rest or key.path == rest or key.path.startswith(f"{rest}.")]
@@ -140,11 +140,11 @@ def _section_or_effect(scene: Scene, name: str, known: dict[str, Effect], kind: 
         yield "  no keys"
 
 
-def _effect(name: str, known: dict[str, Effect], kind: str) -> Effect:
+def _effect(name: str, known: dict[str, Effect], scene: Scene) -> Effect:
     """Return an effect of that machine, or one of one's own; raise UsageError for others."""
     if name not in known and name in catalogue():
         remedy = "screwsim explain lists the possible ones"
-        raise UsageError(f"--parameters {name}: is not an effect of a {kind} ({remedy})")
+        raise UsageError(f"--parameters {name}: is not an effect of {machine_in_words(scene)} ({remedy})")
     if name not in known and "." not in name:
         raise UsageError(f"--parameters {name}: {unknown_key(name, [*SECTIONS, *known])}")
     try:

@@ -284,7 +284,9 @@ def left_out_in_words(scene: Scene) -> str:
 
 def machine_in_words(scene: Scene) -> str:
     """Return what a scene's machine is, with its article."""
-    return "an expander" if scene.machine.expands else f"a {scene.machine.kind}"
+    if not scene.machine.expands:
+        return f"a {scene.machine.kind}"
+    return "an expander" if scene.oil_supply is None else "an expander with oil"
 
 
 def _usual(scene: Scene) -> Iterator[str]:
