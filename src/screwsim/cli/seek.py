@@ -97,7 +97,9 @@ def optimize(
         "FIGURE<VALUE", "Bound on a figure, e.g. 'discharge_temperature<90 degC'; repeatable.", "--subject-to"
     ),
     over: Text = option(
-        "POINTS.csv|NAME", "Weighted operating points: a file, IPLV, ESEER, SEER, SEPR, or …-water.", "--over"
+        "POINTS.csv|NAME",
+        "Weighted operating points: a file, IPLV, ESEER, SEER, SEPR, SCOP-35, SCOP-55, …-water, …-brine.",
+        "--over",
     ),
     print_points: bool = switch("--print-points", "Print the points of --over as editable CSV, and exit."),
     output: File = option(
@@ -142,6 +144,8 @@ def optimize(
         if len(asked.aims) > 1:
             remedy = "pick a point of the front: --json lists their values"
             raise UsageError(f"--best {best}: several aims have no single best ({remedy})")
+        if not spans:
+            raise UsageError(f"--best {best}: nothing varies (write --vary PATH=LOW..HIGH, or leave it out)")
         _check_found(best, "--best", scene)
     found = run_question(asked, output, jobs=jobs, restart=restart, progress=options.progress_bar("optimize"))
     options.print_document_or_text(as_json, optimize_document, print_optimize, found)

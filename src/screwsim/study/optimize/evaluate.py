@@ -23,7 +23,6 @@ from screwsim.study.seek.trials import Trials, size_of
 LOAD_TOLERANCE = 5e-3  # of a part load: the standards measure at loads within some percent
 LEAST_CONTROL, MOST_CONTROL = 0.05, 1.3  # of the full load's control, the first times the load: search range
 NOT_SIMULATED = "not simulated, because another operating point has no result"
-COOLING_COPS = "cop", "electrical_cop"  # cooling over work at the shaft, or at the motor
 
 
 class Evaluation(NamedTuple):
@@ -76,11 +75,13 @@ def _part_load_result(
 ) -> tuple[dict[str, float], Result]:
     """Return the control and the result at a part load of the full one's capacity."""
     result, control = full
-    capacity = result.performance.cooling_capacity
+    capacity = result.performance[points.capacity]
     low, high = sorted((LEAST_CONTROL * load * control, MOST_CONTROL * control))
     start = load * control * result.performance.volumetric_cooling_capacity / _cooling(scene, result)
+    if points.heating:
+        start *= _less_work(scene, result)
     span = Span(points.by, low, high, min(max(start, low), high) if points.by == "operation.speed" else control)
-    goal = Goal("cooling_capacity", load * capacity)
+    goal = Goal(points.capacity, load * capacity)
     trials = Trials(scene, (span,), (goal,), simulate, LOAD_TOLERANCE)
     met = one_goal.solve(trials)
     if met is None or met.result is None:
@@ -101,6 +102,17 @@ def _cooling(scene: Scene, full: Result) -> float:
     return float(then.volumetric_cooling_capacity * here / effect * density)
 
 
+def _less_work(scene: Scene, full: Result) -> float:
+    """Return heating over cooling at full load over that here, approximately: work over cooling follows the lift."""
+    then, here = full.performance, scene.operation
+    ends = then.get("evaporating_temperature"), then.get("condensing_temperature")
+    ends += here.evaporating_temperature, here.condensing_temperature
+    if None in ends:
+        return 1.0
+    work = then.heating_capacity / then.cooling_capacity - 1.0
+    return float((1.0 + work) / (1.0 + work * (ends[3] - ends[2]) / (ends[1] - ends[0])))
+
+
 def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
     """Return the evaluation from the rows of a table that begin at `row`, one per operating point."""
     rows = range(row, row + len(asked.points.points))
@@ -118,10 +130,10 @@ def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
 
 
 def weighted_mean(points: OperatingPoints, name: str, values: np.ndarray, errors: np.ndarray) -> tuple[float, float]:
-    """Return a figure over the operating points, and its error; with energy weights a COP is cooling over work."""
+    """Return a figure over the operating points, and its error; with energy weights a COP is heat over work."""
     weights = np.array([point.weight for point in points.points])
     weights = weights / weights.sum()
-    if points.energy and name in COOLING_COPS:
+    if points.energy and name in points.cops:
         total = 1.0 / float(weights @ (1.0 / values))
         return total, float(weights @ (errors * (total / values) ** 2))
     return float(weights @ values), float(weights @ errors)
