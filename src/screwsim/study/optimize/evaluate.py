@@ -105,12 +105,13 @@ def _cooling(scene: Scene, full: Result) -> float:
 def _less_work(scene: Scene, full: Result) -> float:
     """Return heating over cooling at full load over that here, approximately: work over cooling follows the lift."""
     then, here = full.performance, scene.operation
-    ends = then.get("evaporating_temperature"), then.get("condensing_temperature")
-    ends += here.evaporating_temperature, here.condensing_temperature
-    if None in ends:
+    colds = then.get("evaporating_temperature"), here.evaporating_temperature
+    warms = then.get("condensing_temperature"), here.condensing_temperature
+    lifts = [warm - cold for cold, warm in zip(colds, warms, strict=True) if cold is not None and warm is not None]
+    if len(lifts) < 2:
         return 1.0
     work = then.heating_capacity / then.cooling_capacity - 1.0
-    return float((1.0 + work) / (1.0 + work * (ends[3] - ends[2]) / (ends[1] - ends[0])))
+    return float((1.0 + work) / (1.0 + work * lifts[1] / lifts[0]))
 
 
 def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
