@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.report.quantities import Display, is_numeric, shown_axis, shown_figure
-from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, note, panels, plain_ticks
+from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, note, panels, plain_ticks, upright
 from screwsim.report.sweeps import Plan, label_axes
 from screwsim.results import Results
 from screwsim.results.optimum import AIM
@@ -70,7 +70,7 @@ def _front(results: Results, names: list[str]) -> Any:
         order = front[np.argsort(x[front])]
         line = {"linestyle": "-" if len(names) == 2 else "", "linewidth": 0.8}
         axes.plot(x[order], y[order], marker=".", color=COLOURS[1], markersize=4.0, **line)
-        axes.set(xlabel=across.label, ylabel=up.label)
+        axes.set(xlabel=across.label, ylabel=upright(up.label))
         plain_ticks(axes.xaxis, axes.yaxis)
         axes.margins(0.05)
     note(figure, *_remarks(results))
