@@ -9,6 +9,7 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import difference_unit, reading_unit, shown_name
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import digits
 from screwsim.outputs.display import grouped, picked
 from screwsim.printing import write_json
@@ -32,7 +33,7 @@ from screwsim.study.calibration.hypotheses import LEAST_CHANCE, chance_of_misfit
 from screwsim.study.calibration.identifiability import CORRELATED, WEAK_VALUE
 from screwsim.study.calibration.other_inputs import errors_by_inputs
 from screwsim.study.calibration.solve import Calibration, ComparedMeasurement
-from screwsim.study.scene_files import FITTED_LINE, fitted_text
+from screwsim.study.scene_files import FITTED_LINE, fitted_text, refuse_base
 from screwsim.study.uncertainty.spreads import not_included
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
@@ -307,9 +308,12 @@ def _correlations(found: Calibration) -> Iterator[str]:
         yield f"strongest correlations: {'; '.join(strongest)}"
 
 
-def check_folder(folder: Path) -> None:
-    """Raise UsageError where a folder has a foreign file under the name of a calibration's scene or document."""
+def check_folder(folder: Path, scene_file: str) -> None:
+    """Raise UsageError where a folder has a foreign file, or the fit's own scene, under the name of what is written."""
     protect_other_text({folder / SCENE: FITTED_LINE})
+    if os.path.realpath(folder / SCENE) == os.path.realpath(scene_file):
+        raise UsageError(f"-o {folder}: {folder / SCENE} is the scene of the fit itself (name another folder)")
+    refuse_base(folder / SCENE, scene_file, str(folder / SCENE))
     protect_other_json(folder / DOCUMENT, "parameters", "chi_squared", "starts")
 
 
