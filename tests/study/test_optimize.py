@@ -402,6 +402,8 @@ def test_without_paths_the_scene_itself_is_rated_over_the_points(chilled):
     T = np.array([list(point.values.values())[:2] for point in read_points(chilled, "IPLV").points])
     weights = [0.01, 0.42, 0.45, 0.12]
     assert found.aims[0, 0] == pytest.approx(np.dot(weights, 0.6 * T[:, 0] / (T[:, 1] - T[:, 0])))
+    none = optimize(chilled, maximize="cop", subject_to=["cop>100"], over="IPLV", simulate=chiller, jobs=1)
+    assert none.status == "none" and none.message.endswith("(widen the bound, or vary a path)")
     with pytest.raises(UsageError, match=r"nothing varies \(give one path or more with its range, or points to rate"):
         optimize(chilled, simulate=chiller, jobs=1)
 

@@ -249,7 +249,8 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
     came = figure_text(bound.figure, bound.value + (off if bound.sign == "<" else -off))
     asked = f"{bound.figure}{bound.sign}{figure_text(bound.figure, bound.value)}"
     nearest = f"{asked} was required, and the nearest is {came}"
-    return f"no evaluation is within the bounds: {nearest} (widen the ranges, or the bound)"
+    remedy = "widen the ranges, or the bound" if record.asked.spans else "widen the bound, or vary a path"
+    return f"no evaluation is within the bounds: {nearest} ({remedy})"
 
 
 def _equally_good_range(
