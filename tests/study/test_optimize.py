@@ -16,6 +16,7 @@ from study_fakes import gappy, parabola, two_tops
 
 import screwsim
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figures, Result
 from screwsim.printing.optimize import optimize_document, print_optimize
 from screwsim.results.table import table_of
 from screwsim.scene import loads, with_values
@@ -431,6 +432,23 @@ def test_part_loads_are_reached_by_the_speed(chilled):
     both = ([each.values[name] for name in each.point.values] for each in found.points)
     cop = [0.6 * T_e / (T_c - T_e) for T_e, T_c in both]
     assert found.aims[found.front[0], 0] == pytest.approx(np.dot([0.01, 0.42, 0.45, 0.12], cop))
+
+
+@pytest.mark.parametrize("own", [0.0, 0.1])
+def test_part_loads_are_reached_by_a_slide_that_is_at_full_load_first(own, tmp_path):
+    """It had no range from zero, and none beyond 1.3 times its own position."""
+
+    def slid(scene):
+        found = chiller(scene).performance
+        share = 1.0 - 0.9 * scene.effects["slide_valve"].parameters.position
+        return Result("ok", performance=Figures({**found, "cooling_capacity": share * found.cooling_capacity}))
+
+    file = tmp_path / "points.csv"
+    file.write_text("weight, load by effects.slide_valve.position\n1, 1\n1, 0.5\n1, 0.25\n")
+    control = screwsim.load(FIG1.parents[1] / "control" / "point.yaml", [f"effects.slide_valve.position={own}"])
+    found = optimize(control, maximize="cop", over=str(file), simulate=slid, jobs=1)
+    capacity = [each.result.performance.cooling_capacity for each in found.points]
+    assert np.array(capacity) / capacity[0] == pytest.approx([1.0, 0.5, 0.25], rel=5e-3)
 
 
 def test_bounds_hold_at_every_operating_point(chilled):

@@ -12,10 +12,11 @@ from screwsim.outputs import STATUSES, Result
 from screwsim.results.table import Table
 from screwsim.scene import Scene, lines, refrigerating_effect
 from screwsim.study.asked.goals import Goal
-from screwsim.study.asked.spans import Span
+from screwsim.study.asked.spans import Span, read_spans
 from screwsim.study.asked.varied import Varied, accuracy_of, value_at, with_values
 from screwsim.study.optimize.points import OperatingPoint, OperatingPoints
 from screwsim.study.optimize.question import Question
+from screwsim.study.part_load import CONTROL_ENDS
 from screwsim.study.pool.solving import Simulate, simulated_if_valid
 from screwsim.study.seek import one_goal
 from screwsim.study.seek.trials import Trials, size_of
@@ -76,7 +77,7 @@ def _part_load_result(
     """Return the control and the result at a part load of the full one's capacity."""
     result, control = full
     capacity = result.performance[points.capacity]
-    low, high = sorted((LEAST_CONTROL * load * control, MOST_CONTROL * control))
+    low, high = _control_range(scene, points.by, control, load)
     start = load * control * result.performance.volumetric_cooling_capacity / _cooling(scene, result)
     if points.heating:
         start *= _less_work(scene, result)
@@ -100,6 +101,18 @@ def _cooling(scene: Scene, full: Result) -> float:
     here, at = refrigerating_effect(scene) or effect, lines(scene)
     density = at.p_s / at.T_s / (then.suction_pressure / then.suction_temperature)
     return float(then.volumetric_cooling_capacity * here / effect * density)
+
+
+def _control_range(scene: Scene, by: str, control: float, load: float) -> tuple[float, float]:
+    """Return the range of a control [SI] for a part load: from its full setting to its end, where that is larger."""
+    _, end = CONTROL_ENDS.get(by, ("", None))
+    if end is not None and end > control:
+        return control, end
+    if not control:
+        (span,) = read_spans(scene, [by], ranged=False)
+        return span.low, span.high
+    low, high = sorted((LEAST_CONTROL * load * control, MOST_CONTROL * control))
+    return low, high
 
 
 def _less_work(scene: Scene, full: Result) -> float:
