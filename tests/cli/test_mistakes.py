@@ -187,7 +187,7 @@ def test_an_option_with_one_value_that_is_given_twice_is_refused(folder, command
 
 @pytest.mark.parametrize("words", ["new air", "datasheet small.yaml", "report out.h5", "calibrate x.fit.yaml"])
 def test_an_empty_name_of_an_output_is_refused(files, command, words):
-    """Of an unset variable of a shell: it stood for the present folder, and three commands ended in an internal error."""
+    """Of an unset variable of a shell: it stood for the present folder, or ended in an internal error."""
     before = sorted(files.iterdir())
     answer = command(*words.split(), "-o", "")
     assert (answer.code, answer.out) == (2, "")
