@@ -140,7 +140,10 @@ def _volume_ratio(parts: Parts, volume_at: Callable[[float], float]) -> float | 
     if not edges or geometry.profile is not None:  # whose own slide moves the machine's ports
         return geometry.built_in_volume_ratio(volume_at)
     closes = max([geometry.injection_angle, *(path.breakpoints[-1] for path in edges if path.to == SUCTION)])
-    ports = [*filter(None, [geometry.discharge_opens]), *(path.breakpoints[0] for path in edges if path.to == DISCHARGE)]
+    ports = [
+        *filter(None, [geometry.discharge_opens]),
+        *(path.breakpoints[0] for path in edges if path.to == DISCHARGE),
+    ]
     return volume_at(closes) / volume_at(min(ports)) if ports else None
 
 
