@@ -139,12 +139,11 @@ def _volume_ratio(parts: Parts, volume_at: Callable[[float], float]) -> float | 
     edges = [path for path in slide if path.values.get("size", 1.0) > 0.0]
     if not edges or geometry.profile is not None:  # whose own slide moves the machine's ports
         return geometry.built_in_volume_ratio(volume_at)
-    closes = max([geometry.injection_angle, *(path.breakpoints[-1] for path in edges if path.to == SUCTION)])
-    ports = [
-        *filter(None, [geometry.discharge_opens]),
-        *(path.breakpoints[0] for path in edges if path.to == DISCHARGE),
-    ]
-    return volume_at(closes) / volume_at(min(ports)) if ports else None
+    at: dict[str, list[float]] = {SUCTION: [geometry.injection_angle], DISCHARGE: []}
+    at[DISCHARGE] += [] if geometry.discharge_opens is None else [geometry.discharge_opens]
+    for path in edges:
+        at[path.to] += path.breakpoints
+    return volume_at(max(at[SUCTION])) / volume_at(min(at[DISCHARGE])) if at[DISCHARGE] else None
 
 
 def _refrigerating_effect(problem: Problem, found: Mapping[str, Any]) -> float | None:
