@@ -15,7 +15,7 @@ from screwsim.study.asked.inputs import ends_of
 from screwsim.study.datasheet.air_rating import Point
 from screwsim.study.datasheet.gas_sheet import rating_request
 from screwsim.study.datasheet.rated import case_scene
-from screwsim.study.datasheet.tables import machine_line
+from screwsim.study.datasheet.tables import machine_line, oil_line
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.template import new_scene, request_of
 
@@ -224,3 +224,13 @@ def test_the_speed_beside_the_swept_volume_is_the_one_that_a_motor_on_the_mains_
     assert text.endswith(f" swept at {found.mean_speed * 30.0 / math.pi:.5g} rpm")
     point = Point(scene.operation.speed, Result("ok", performance=found))
     assert point.rotor_speed == found.mean_speed < 0.98 * point.speed
+
+
+def test_an_expanders_oil_comes_from_a_pump_and_is_warmed_elsewhere():
+    for changes, warms in (
+        ([], "39.6 kW warm it again"),
+        (["effects.separator=off"], "what warms it again is not simulated"),
+    ):
+        scene = screwsim.load(CONFIGS / "expander" / "oil.yaml", changes)
+        (told,) = dict(oil_line(scene, screwsim.simulate(scene).performance)).values()
+        assert told.startswith("from a pump") and told.endswith(f"at 95.0 °C; {warms}")
