@@ -48,6 +48,7 @@ CASES = {
     "air package": ("air/fixed_speed_7", SIZE, ()),
     "lives of bearings": ("air/bearing_life", SIZE, ()),
     "expander": ("expander/point", SIZE, ()),
+    "expander with oil": ("expander/oil", SIZE, ()),
     "drive": ("drive/point", SIZE, ()),
     "drive, pressure": ("drive/point", PRESSURE, ()),
     "reeds": ("slider_crank/r134a", SIZE, ()),
