@@ -11,12 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.derivatives import line_flows
 from screwsim.derivatives.lane_rates import RateRequest, rates_of
+from screwsim.derivatives.line_flows import LineMeans
 from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.rate_numbers import RateNumbers
-from screwsim.derivatives.slices import INTEGRALS
+from screwsim.derivatives.slices import INTEGRALS, NODES
 from screwsim.derivatives.sweeps import compiled
-from screwsim.model.slots import P_GAP_WIDTH, PORT_STATE, PRESSURE, R_RATIO
+from screwsim.effects.base import LINES
+from screwsim.model.slots import P_GAP_WIDTH, P_OMEGA, P_PITCH, PORT_STATE, PRESSURE, R_RATIO
 
 Array = np.ndarray
 OF_WIDTH = 1e-5  # step of differences over the regularisation: a tenth of a node's distance from a turning ...
@@ -68,15 +71,17 @@ class ArgumentChange(NamedTuple):
 
 def along(
     pitch: CollocatedPitch, Y: Array, at: RateNumbers, changes: Sequence[ArgumentChange], right: Array, first: int
-) -> Array:
-    """Return the change of the quadratures with changes of the rates' arguments, a column each.
+) -> tuple[Array, Array]:
+    """Return the change of the quadratures with changes of the rates' arguments, a column each, and of line flows.
 
-    Changes of the stage equations are added to `right` (slices, NODES, N, …), from column `first` on.
+    The latter are those into pulsating lines (`line_flows`). Changes of the stage equations are added to `right`
+    (slices, NODES, N, …), from column `first` on.
     """
-    sums = np.zeros((pitch.machinery.nq, len(changes)))
+    sums, pulsates = np.zeros((pitch.machinery.nq, len(changes))), line_flows.pulsates(pitch)
     some = [i for i, each in enumerate(changes) if not each.nothing]
     if not some:
-        return sums
+        return sums, line_flows.none(pitch, len(changes))
+    flows = np.zeros((pitch.count, NODES, len(LINES), len(changes) if pulsates else 0))
     of_pressures, asked, of_asked = step_of(pitch), [RateRequest(at, None)], []
     for i in some:
         numbers, edges, side = changes[i]
@@ -99,7 +104,31 @@ def along(
         columns = np.array([i for i, *_ in of_lanes])
         compiled().sweeps__add_stages(found[0], own[0], *how, first + columns, right.reshape(-1, *right.shape[2:]))
         compiled().sweeps__add_sums(found[1], own[1], *how, columns, sums)
-    return sums
+        if pulsates:
+            there, here = (each[:, None, None] for each in how[1:])
+            rates = found[1], own[1]
+            of_lanes, own_flow = (line_flows.flows_of(pitch, each, 1).reshape(*flows.shape[:3], -1) for each in rates)
+            for k, column in enumerate(columns.tolist()):
+                flows[..., column] += there[..., k] * of_lanes[..., lane + k] - here[..., k] * own_flow[..., 0]
+    if not pulsates:
+        return sums, line_flows.none(pitch, len(changes))
+    return sums, _means_by(pitch, own_flow[..., 0], flows, changes)
+
+
+def _means_by(pitch: CollocatedPitch, own: Array, flows: Array, changes: Sequence[ArgumentChange]) -> Array:
+    """Return the change of the mean flows into lines with changes of the rates' arguments, a column each.
+
+    `flows` (slices, NODES, lines, k) are the changes of the flows `own` at the nodes, times widths.
+    """
+    means, P = LineMeans.of(pitch), pitch.machinery.composition.P
+    found, here = means.through(flows), means.through(pitch.slices.widths[:, None, None] * own)
+    for j, change in enumerate(changes):
+        numbers = change.numbers.P
+        wider, faster = (float(numbers[at] / P[at]) for at in (P_PITCH, P_OMEGA))
+        if change.edges is not None or wider:
+            found[..., j] += means.as_edges_move(own, change.edges, wider)
+        found[..., j] += (faster - wider) * here
+    return found
 
 
 def along_events(pitch: CollocatedPitch, Y: Array, right: Array) -> Array:

@@ -7,12 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.cycle.feedback import LineInflow
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives import chamber_newton, slices
 from screwsim.derivatives.argument_changes import ArgumentChange
 from screwsim.derivatives.chamber_newton import SMALL, ChamberFactors, approach, damped, limited_step, residual_of
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.events import Course, course_of
+from screwsim.derivatives.line_flows import line_inflow
 from screwsim.derivatives.linear import DirectEffects, LinearisedPitch, Response
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.phases import borders
@@ -72,7 +74,10 @@ QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # errors of 1e-3
 
 
 class CollocatedCycle(NamedTuple):
-    """A collocated cycle: states at the start and the nodes, rates there, quadratures, numbers, unknowns."""
+    """A collocated cycle: states at the start and the nodes, rates there, quadratures, numbers, unknowns, line flows.
+
+    The flows `into` pulsating lines are None where these are read from a life.
+    """
 
     pitch: CollocatedPitch
     start: Array
@@ -81,6 +86,7 @@ class CollocatedCycle(NamedTuple):
     sums: Array
     at: RateNumbers
     unknowns_in: Array
+    into: LineInflow | None
 
 
 class LinearisedCycle(NamedTuple):
@@ -169,7 +175,8 @@ def _collocated(
     if missed := pitch.missed(Y):
         raise NotClosed(missed)
     slopes = pitch.slopes(Y)
-    return CollocatedCycle(pitch, pitch.begin(Y), Y, slopes, pitch.sums(slopes.g), pitch.numbers, pitch.unknowns_in)
+    start, into = pitch.begin(Y), line_inflow(pitch, slopes.g)
+    return CollocatedCycle(pitch, start, Y, slopes, pitch.sums(slopes.g), pitch.numbers, pitch.unknowns_in, into)
 
 
 def pitch_of(
@@ -251,7 +258,7 @@ def _closed(
             linear = LinearisedPitch(pitch, Y, pitch.slopes(Y), changes)
         response, of_unknowns = linear.respond(stages, conditions), linear.first
         before = size
-        cycle = CollocatedCycle(pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in)
+        cycle = CollocatedCycle(pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in, read[2])
         back = unknowns_response(cycle, of_unknowns, 0)
         change = solve_unknowns(back, off + unknowns_response(cycle, response, 1)[:, 0], _stated_unknowns(back))
         direct, through = response.of(0), of_unknowns.weighted(change)
@@ -325,7 +332,8 @@ def unknowns_response(cycle: CollocatedCycle, response: Response, first: int) ->
                 there[j - first] += by
             pitch.meet(there, unknowns_in)
             life = ShiftedLife.of(pitch, partial(fill, by, j))
-            images.append(pitch.image(cycle.sums + by * response.sums[:, j], life))
+            into = None if cycle.into is None else cycle.into.moved(by * response.lines[..., j])
+            images.append(pitch.image(cycle.sums + by * response.sums[:, j], life, into))
         found[:, j] = (images[0] - images[1]) / (2.0 * SHIFT)
     pitch.put(cycle.at)
     if read:
