@@ -29,9 +29,7 @@ from screwsim.model.trajectory import Trajectory
 Array = np.ndarray
 STEPS = (4.0, 2.0, 1.0)  # integrator's steps per slice at the start; fewer where more do not close
 ERROR = 0.03  # of the wanted accuracy: error of a slice
-READ_INSIDE = 0.1  # factor on that where flows to pulsating lines are read inside slices, less surely estimated
-WIDER_INSIDE = 0.8  # ... and on the growth of slices around the turning of a flow
-OF_TURN = 0.03  # factor on the error of a slice where there is a single chamber, whose slices cost little
+OF_TURN = 0.03  # factor on that where there is a single chamber, whose slices cost little
 FINE_TURN = 1e-6  # tolerance of a step in the turns after its closed one that tell the events of its valves ...
 FINE_TURNS = 2  # ... which are so many, as a closed cycle is open by its tolerance
 MOST_EVENTS = 300  # of a turn: each is an unknown
@@ -136,7 +134,6 @@ def _collocated(
 ) -> CollocatedCycle:
     """Collocate with slices of so many steps first; refine and place them at turning flows until both settle."""
     machinery.put(life)
-    inside = bool(problem.parts.pulsations)
     seams, course = slices.fixed_edges(machinery, problem.parts), course_of(machinery.trajectory)
     if len(course.events) > MOST_EVENTS:
         raise NotClosed(f"valves meet seat and stop, or leave them, {len(course.events)} times in a turn")
@@ -146,14 +143,13 @@ def _collocated(
     if len(course.events) and np.diff(seams).min() <= slices.LEAST:
         raise NotClosed("a valve meets its seat or stop, or leaves it, at the angle of another event")
     tolerance = fineness.error * ERROR * problem.scene.numerics.accuracy
-    tolerance *= (READ_INSIDE if inside else 1.0) * (OF_TURN if machinery.alone else 1.0)
-    growth = fineness.ring, fineness.wider * (WIDER_INSIDE if inside else 1.0)
+    tolerance *= OF_TURN if machinery.alone else 1.0
     plain = slices.edges_of(machinery, seams, steps, fineness.longest * slices.LONGEST)
     pitch = pitch_of(problem, machinery, slices.between(plain), seams, course)
     Y, turns, linear, good, closing, own = np.empty(0), crossings(pitch), None, False, False, ChamberFactors()
     for left in range(ROUNDS, 0, -1):
         highest = peak(machinery.trajectory, problem.parts.geometry)[1] % float(machinery.composition.P[P_PITCH])
-        edges = slices.with_rings(plain, seams, turns, growth, highest)
+        edges = slices.with_rings(plain, seams, turns, (fineness.ring, fineness.wider), highest)
         pitch = pitch_of(problem, machinery, slices.between(edges), seams, course)
         kept = linear if linear is not None and linear.pitch.count == pitch.count and not pitch.alone else None
         within = FIRST_ROUND_FACTOR if left == ROUNDS else STATES_SHARE

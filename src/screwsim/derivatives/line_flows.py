@@ -39,12 +39,12 @@ class LineMeans(NamedTuple):
     width: float
 
     @classmethod
-    def of(cls, pitch: CollocatedPitch) -> Self:
-        """Return the borders in the slices of a pitch."""
-        edges, width = pitch.slices.edges, float(pitch.machinery.composition.P[slots.P_PITCH]) / LINE_POINTS
+    def of(cls, edges: Array) -> Self:
+        """Return the borders in slices with given edges [rad], of a whole pitch."""
+        width = float(edges[-1]) / LINE_POINTS
         borders = width * (np.arange(LINE_POINTS) + 0.5)
-        at = np.clip(np.searchsorted(edges, borders, "right") - 1, 0, pitch.count - 1)
-        shares = (borders - edges[at]) / pitch.slices.widths[at]
+        at = np.searchsorted(edges, borders, "right") - 1
+        shares = (borders - edges[at]) / np.diff(edges)[at]
         powers = shares[:, None] ** POWERS
         return cls(at, shares, powers @ THROUGH, (powers * shares[:, None] / (POWERS + 1)) @ THROUGH, width)
 
@@ -91,34 +91,32 @@ def flows_of(pitch: CollocatedPitch, g: Array, axis: int = 2) -> Array:
     """Return the flows [kg/s] into suction and discharge line by the rates of quadratures, which lie along an axis."""
     c = pitch.machinery.composition
     rows = slice(c.first_stream + slots.OF_GAS, None, c.width)
-    of_lines = np.moveaxis(g, axis, 0)[rows][
-        : 2 * len(LINES)
-    ]  # gas to the chambers: suction in, out, discharge in, out
-    return np.moveaxis(of_lines[0::2] + of_lines[1::2], 0, axis) * -float(c.P[slots.P_OMEGA])
+    streams = np.moveaxis(g, axis, 0)[rows]  # gas to the chambers: suction in, out, discharge in, out, others
+    of_lines = streams[: 2 * len(LINES)].reshape(len(LINES), 2, *streams.shape[1:]).sum(axis=1)
+    return np.moveaxis(of_lines, 0, axis) * -float(c.P[slots.P_OMEGA])
 
 
 def line_inflow(pitch: CollocatedPitch, g: Array) -> LineInflow | None:
     """Return the flow into pulsating lines by the rates of quadratures at the nodes; None where it is not known so."""
     if not pulsates(pitch):
         return None
-    flows = LineMeans.of(pitch).through(pitch.slices.widths[:, None, None] * flows_of(pitch, g))
+    flows = LineMeans.of(pitch.slices.edges).through(pitch.slices.widths[:, None, None] * flows_of(pitch, g))
     return LineInflow(flows, open_volumes(pitch.problem, pitch))
 
 
 def open_volumes(problem: Problem, pitch: CollocatedPitch) -> Array:
     """Return the mean volumes [m³] of the chambers that are open to suction and discharge line, by the laws' areas."""
-    c, module, parts, found = problem.composition, pitch.machinery.module, problem.parts, np.zeros(len(LINES))
-    ends = np.unique(np.clip([0.0, *c.breakpoints, c.P[slots.P_LIFE]], 0.0, c.P[slots.P_LIFE]))
+    c, module, life = problem.composition, pitch.machinery.module, problem.parts.geometry.life
+    ends = np.unique(np.clip([0.0, *c.breakpoints, life], 0.0, life))
     widths = np.diff(ends)[:, None]
     angles = (ends[:-1, None] + widths * WITHIN).ravel()
     volumes, area, is_open = np.empty(angles.size), np.empty(angles.size), np.zeros((len(LINES), angles.size), bool)
     module.trace__volumes(angles, c.P, c.TAB, volumes)
-    for i, (_, path) in enumerate(parts.ports):
+    for i, (_, path) in enumerate(problem.parts.ports):
         if path.to in LINES:
             module.trace__areas_along(angles, i, c.P, c.TAB, area)
-            is_open[parts.number(path.to)] |= area > 0.0
-    found[:] = is_open @ (volumes * (widths * WEIGHTS).ravel()) / c.P[slots.P_PITCH]
-    return found
+            is_open[LINES.index(path.to)] |= area > 0.0
+    return is_open @ (volumes * (widths * WEIGHTS).ravel()) / problem.parts.geometry.pitch
 
 
 def by_states(pitch: CollocatedPitch, slopes: Array, nodes: Array, jumps: Array | float) -> Array:
@@ -126,4 +124,4 @@ def by_states(pitch: CollocatedPitch, slopes: Array, nodes: Array, jumps: Array 
     if not pulsates(pitch):
         return none(pitch, nodes.shape[-1])
     of_lines = pitch.slices.widths[:, None, None, None] * flows_of(pitch, slopes)
-    return LineMeans.of(pitch).through(of_lines @ nodes, jumps)
+    return LineMeans.of(pitch.slices.edges).through(of_lines @ nodes, jumps)
