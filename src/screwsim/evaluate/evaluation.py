@@ -105,8 +105,10 @@ class Evaluation:
 
     @property
     def complete(self) -> CycleFigures:
-        """What a shaft may use of the cycle: the known quantities with the shaft power."""
-        return replace(self.known, shaft_power=self.figures.shaft_power)
+        """What a shaft may use of the cycle: the known quantities with the shaft power (M29)."""
+        known, parts = self.known, self.problem.parts
+        lift = oil_lift(parts, known) if parts.oil is not None else 0.0
+        return replace(known, shaft_power=known.indicated_power + lift + sum(self.losses.values()))
 
     @property
     def least(self) -> tuple[float, float]:
