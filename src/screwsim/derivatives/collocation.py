@@ -74,7 +74,8 @@ QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # errors of 1e-3
 class CollocatedCycle(NamedTuple):
     """A collocated cycle: states at the start and the nodes, rates there, quadratures, numbers, unknowns, line flows.
 
-    The flows `into` pulsating lines are None where these are read from a life.
+    The flows `into` pulsating lines are None where these are read from a life; `plain` are the edges [rad] of the
+    slices but for those around crossings.
     """
 
     pitch: CollocatedPitch
@@ -85,6 +86,7 @@ class CollocatedCycle(NamedTuple):
     at: RateNumbers
     unknowns_in: Array
     into: LineInflow | None
+    plain: Array
 
 
 class LinearisedCycle(NamedTuple):
@@ -117,6 +119,21 @@ def collocated(problem: Problem, machinery: Machinery, life: Trajectory, finenes
     raise why
 
 
+def collocated_nearby(
+    cycle: CollocatedCycle, problem: Problem, numbers: RateNumbers, moves: Response, fineness: Fineness
+) -> CollocatedCycle:
+    """Return the collocated cycle of a problem nearby, from the numbers and the response that lead there.
+
+    Its slices are those of the first one, but for those around crossings. Raises NotClosed where none is found so.
+    """
+    pitch = cycle.pitch
+    if pitch.alone:
+        raise NotClosed("the events of a turn may be others")
+    pitch.put(numbers)
+    pitch.install_shifted(cycle.start, cycle.nodes, 1.0, moves)
+    return _collocated(problem, pitch.machinery, pitch.machinery.trajectory.copy(), STEPS[0], fineness, cycle.plain)
+
+
 def fine_turn(machinery: Machinery, life: Trajectory) -> Trajectory:
     """Return a turn of a single chamber after a closed one, integrated finely: its events are those of the cycle."""
     machinery.put(life)
@@ -130,9 +147,17 @@ def fine_turn(machinery: Machinery, life: Trajectory) -> Trajectory:
 
 
 def _collocated(
-    problem: Problem, machinery: Machinery, life: Trajectory, steps: float, fineness: Fineness
+    problem: Problem,
+    machinery: Machinery,
+    life: Trajectory,
+    steps: float,
+    fineness: Fineness,
+    plain: Array | None = None,
 ) -> CollocatedCycle:
-    """Collocate with slices of so many steps first; refine and place them at turning flows until both settle."""
+    """Collocate with slices of so many steps first; refine and place them at turning flows until both settle.
+
+    Where `plain` edges of slices are given, they need no refinement.
+    """
     machinery.put(life)
     seams, course = slices.fixed_edges(machinery, problem.parts), course_of(machinery.trajectory)
     if len(course.events) > MOST_EVENTS:
@@ -144,9 +169,11 @@ def _collocated(
         raise NotClosed("a valve meets its seat or stop, or leaves it, at the angle of another event")
     tolerance = fineness.error * ERROR * problem.scene.numerics.accuracy
     tolerance *= OF_TURN if machinery.alone else 1.0
-    plain = slices.edges_of(machinery, seams, steps, fineness.longest * slices.LONGEST)
+    good = closing = plain is not None
+    if plain is None:
+        plain = slices.edges_of(machinery, seams, steps, fineness.longest * slices.LONGEST)
     pitch = pitch_of(problem, machinery, slices.between(plain), seams, course)
-    Y, turns, linear, good, closing, own = np.empty(0), crossings(pitch), None, False, False, ChamberFactors()
+    Y, turns, linear, own = np.empty(0), crossings(pitch), None, ChamberFactors()
     for left in range(ROUNDS, 0, -1):
         highest = peak(machinery.trajectory, problem.parts.geometry)[1] % float(machinery.composition.P[P_PITCH])
         edges = slices.with_rings(plain, seams, turns, (fineness.ring, fineness.wider), highest)
@@ -172,7 +199,8 @@ def _collocated(
         raise NotClosed(missed)
     slopes = pitch.slopes(Y)
     start, into = pitch.begin(Y), line_inflow(pitch, slopes.g)
-    return CollocatedCycle(pitch, start, Y, slopes, pitch.sums(slopes.g), pitch.numbers, pitch.unknowns_in, into)
+    sums, numbers = pitch.sums(slopes.g), pitch.numbers
+    return CollocatedCycle(pitch, start, Y, slopes, sums, numbers, pitch.unknowns_in, into, plain)
 
 
 def pitch_of(
@@ -254,7 +282,7 @@ def _closed(
             linear = LinearisedPitch(pitch, Y, pitch.slopes(Y), changes)
         response, of_unknowns = linear.respond(stages, conditions), linear.first
         before = size
-        cycle = CollocatedCycle(pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in, read[2])
+        cycle = CollocatedCycle(pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in, read[2], pitch.slices.edges)
         back = unknowns_response(cycle, of_unknowns, 0)
         change = solve_unknowns(back, off + unknowns_response(cycle, response, 1)[:, 0], _stated_unknowns(back))
         direct, through = response.of(0), of_unknowns.weighted(change)
