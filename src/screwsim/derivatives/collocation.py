@@ -71,11 +71,18 @@ FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # errors of 1e-5 of a derivative, in 9
 QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # errors of 1e-3
 
 
+class Placed(NamedTuple):
+    """Edges of slices [rad] without those around crossings, and the crossings."""
+
+    edges: Array
+    crossings: list[slices.Crossing]
+
+
 class CollocatedCycle(NamedTuple):
     """A collocated cycle: states at the start and the nodes, rates there, quadratures, numbers, unknowns, line flows.
 
-    The flows `into` pulsating lines are None where these are read from a life; `plain` are the edges [rad] of the
-    slices but for those around crossings.
+    The flows `into` pulsating lines are None where these are read from a life; `placed` is where its
+    slices end.
     """
 
     pitch: CollocatedPitch
@@ -86,7 +93,7 @@ class CollocatedCycle(NamedTuple):
     at: RateNumbers
     unknowns_in: Array
     into: LineInflow | None
-    plain: Array
+    placed: Placed
 
 
 class LinearisedCycle(NamedTuple):
@@ -131,7 +138,7 @@ def collocated_nearby(
         raise NotClosed("the events of a turn may be others")
     pitch.put(numbers)
     pitch.install_shifted(cycle.start, cycle.nodes, 1.0, moves)
-    return _collocated(problem, pitch.machinery, pitch.machinery.trajectory.copy(), STEPS[0], fineness, cycle.plain)
+    return _collocated(problem, pitch.machinery, pitch.machinery.trajectory.copy(), STEPS[0], fineness, cycle.placed)
 
 
 def fine_turn(machinery: Machinery, life: Trajectory) -> Trajectory:
@@ -152,11 +159,11 @@ def _collocated(
     life: Trajectory,
     steps: float,
     fineness: Fineness,
-    plain: Array | None = None,
+    nearby: Placed | None = None,
 ) -> CollocatedCycle:
     """Collocate with slices of so many steps first; refine and place them at turning flows until both settle.
 
-    Where `plain` edges of slices are given, they need no refinement.
+    Slices that are given by a cycle `nearby` need no refinement.
     """
     machinery.put(life)
     seams, course = slices.fixed_edges(machinery, problem.parts), course_of(machinery.trajectory)
@@ -169,11 +176,13 @@ def _collocated(
         raise NotClosed("a valve meets its seat or stop, or leaves it, at the angle of another event")
     tolerance = fineness.error * ERROR * problem.scene.numerics.accuracy
     tolerance *= OF_TURN if machinery.alone else 1.0
-    good = closing = plain is not None
-    if plain is None:
+    if good := nearby is not None:
+        plain = nearby.edges
+    else:
         plain = slices.edges_of(machinery, seams, steps, fineness.longest * slices.LONGEST)
     pitch = pitch_of(problem, machinery, slices.between(plain), seams, course)
     Y, turns, linear, own = np.empty(0), crossings(pitch), None, ChamberFactors()
+    closing, turns = good, _with_vanished(turns, nearby.crossings) if nearby is not None else turns
     for left in range(ROUNDS, 0, -1):
         highest = peak(machinery.trajectory, problem.parts.geometry)[1] % float(machinery.composition.P[P_PITCH])
         edges = slices.with_rings(plain, seams, turns, (fineness.ring, fineness.wider), highest)
@@ -200,7 +209,7 @@ def _collocated(
     slopes = pitch.slopes(Y)
     start, into = pitch.begin(Y), line_inflow(pitch, slopes.g)
     sums, numbers = pitch.sums(slopes.g), pitch.numbers
-    return CollocatedCycle(pitch, start, Y, slopes, sums, numbers, pitch.unknowns_in, into, plain)
+    return CollocatedCycle(pitch, start, Y, slopes, sums, numbers, pitch.unknowns_in, into, Placed(plain, turns))
 
 
 def pitch_of(
@@ -282,7 +291,9 @@ def _closed(
             linear = LinearisedPitch(pitch, Y, pitch.slopes(Y), changes)
         response, of_unknowns = linear.respond(stages, conditions), linear.first
         before = size
-        cycle = CollocatedCycle(pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in, read[2], pitch.slices.edges)
+        cycle = CollocatedCycle(
+            pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in, read[2], Placed(pitch.slices.edges, [])
+        )
         back = unknowns_response(cycle, of_unknowns, 0)
         change = solve_unknowns(back, off + unknowns_response(cycle, response, 1)[:, 0], _stated_unknowns(back))
         direct, through = response.of(0), of_unknowns.weighted(change)
