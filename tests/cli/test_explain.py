@@ -137,7 +137,7 @@ def test_parameters_tell_every_key_also_of_effects_left_out(command, folder):
         (
             "oil_supply.ratio",
             "oil_supply (not in this scene)",
-            "ratio d: oil-to-gas mass ratio in the chamber at 360 deg (pump); unit:",
+            "ratio d: oil-to-gas mass ratio in the chamber at 360 deg (pump; expander: in the gas",
         ),
         (
             "effects.economizer.area",

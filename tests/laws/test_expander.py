@@ -17,6 +17,7 @@ from screwsim.scene import load
 from screwsim.simulate import simulate
 
 POINT = Path(__file__).parents[2] / "configs" / "expander" / "point.yaml"
+OIL = POINT.with_name("oil.yaml")
 K, OPENS = 1.3, 625.0
 DRY = {"oil": DROP, "oil_supply": DROP}
 LINES = {
@@ -129,6 +130,112 @@ def test_the_gas_drives_the_shaft_and_presses_from_the_higher_pressure():
     assert 0.0 < p.axial_gas_force < p.axial_gas_force_peak
 
 
+# ---- oil that comes in with the gas (M490, M491) ----
+
+
+def test_fine_droplets_make_the_expansion_polytropic():
+    """M153 with n = 1 + R/(c_v + d c_o) in place of k; the oil's flow work is added."""
+    ratio, c_oil, rho_oil, p_s, T = 2.0, 2000.0, 1000.0, 10e5, 400.0
+    fine = {"droplet_radius": "2 um", "heat_transfer_coefficient": "5 kW/(m^2 K)"}
+    changes = {
+        **IDEAL,
+        "oil": {"density": f"{rho_oil} kg/m^3", "heat_capacity": f"{c_oil} J/(kg K)", "transport": "carried"},
+        "oil_supply": {"kind": "pump", "ratio": ratio, "temperature": f"{T} K"},
+        "effects": {"suction_port": {}, "discharge_port": {}, "oil_heat": fine},
+    }
+    R = 8.314462618 / 28.0134e-3
+    n = 1.0 + R / (R / (K - 1.0) + ratio * c_oil)
+    V_in, V_end, V_min = volumes(make(changes))
+    p_d = p_s * (V_in / V_end) ** n  # it expands to the line
+    found = run({**changes, "operation.discharge": {"pressure": f"{p_d!r} Pa"}}).performance
+    work = p_s * (V_in - V_min) + (p_s * V_in - p_d * V_end) / (n - 1.0) - p_d * (V_end - V_min)
+    assert -found.work_per_cycle == pytest.approx(work, rel=0.01)
+    assert found.oil_discharge_temperature == pytest.approx(T * (V_in / V_end) ** (n - 1.0), abs=0.5)
+    assert found.discharge_temperature == pytest.approx(found.oil_discharge_temperature, abs=0.5)
+    lift = found.oil_mass_flow / rho_oil * (p_s - p_d)
+    assert found.oil_mass_flow == pytest.approx(ratio * found.gas_mass_flow, rel=1e-3)
+    assert found.output_power == pytest.approx(lift - found.indicated_power, rel=1e-9)
+    isentropic = found.gas_mass_flow * K / (K - 1.0) * R * T * (1.0 - (p_d / p_s) ** (1.0 - 1.0 / K))
+    assert found.isentropic_efficiency == pytest.approx(found.output_power / (isentropic + lift), rel=1e-3)
+    assert found.isentropic_efficiency > 1.05  # by the heat of the oil
+
+
+def test_with_oil_everything_that_comes_in_goes_out():
+    """Gas by CoolProp: what gas and oil lose on their way is the shaft's, the pump's and the motor's apart."""
+    result = simulate(load(OIL, ["effects.separator=off"]))
+    assert result.status == "ok"
+    p, balance = result.performance, result.balance
+    assert max(balance.mass, balance.energy, balance.entropy, balance.oil_mass) <= balance.bound
+    assert all(entry["exergy_destroyed"] > -1e-3 for entry in ledger_entries(result.ledger).values())
+    assert p.oil_mass_flow == pytest.approx(0.5 * p.gas_mass_flow, rel=3e-4)
+    h_in, h_out = (PropsSI("H", "P", at, "T", T, "R134a") for at, T in ((20e5, 373.15), (7e5, p.discharge_temperature)))
+    volume = p.oil_mass_flow / 950.0
+    oil = p.oil_mass_flow * 2100.0 * (368.15 - p.oil_discharge_temperature) + volume * (20e5 - 7e5)
+    assert -p.indicated_power == pytest.approx(p.gas_mass_flow * (h_in - h_out) + oil, rel=2e-3)
+    assert p.oil_pump_power == pytest.approx(volume * (20e5 + 0.5e5 - 7e5) / 0.6, rel=1e-9)
+    losses = p.oil_pump_power + p.hydromechanical_power + p.mechanical_power
+    assert p.output_power == pytest.approx(-p.indicated_power - losses, rel=1e-9)
+
+
+@pytest.mark.parametrize("changed", [(), ("effects.oil_volume=off",), ("oil_supply.temperature=null",)])
+def test_what_warms_the_oil_again_and_the_gas_give_the_output(changed):
+    """M281 by CoolProp: gas leaves the separator, and all friction stays in the oil."""
+    result = simulate(load(OIL, [*changed]))
+    p = result.performance
+    assert result.status == "ok" and not any("would have to heat" in warning for warning in result.warnings)
+    h_in, h_out = (PropsSI("H", "P", at, "T", T, "R134a") for at, T in ((20e5, 373.15), (7e5, p.separator_temperature)))
+    assert p.gas_mass_flow * (h_in - h_out) - p.oil_cooler_duty == pytest.approx(p.output_power, rel=5e-4)
+    assert abs(result.ledger.residue) < 5e-4 * p.output_power
+    if p.oil_cooler_duty == 0.0:  # it comes back as warm as it left
+        assert p.oil_supply_temperature == pytest.approx(p.separator_temperature, abs=0.01)
+    else:
+        assert p.oil_cooler_duty < -0.5 * p.output_power
+
+
+def test_what_no_cycle_changes_has_no_error():
+    result = simulate(load(OIL), trace=False)
+    for name in ("displacement", "displacement_flow", "built_in_volume_ratio", "suction_pressure", "pressure_ratio"):
+        assert result.error[name] == 0.0, name
+    assert min(result.error[name] for name in ("gas_mass_flow", "oil_mass_flow", "trapped_mass", "shaft_power")) > 0.0
+
+
+def test_pressure_that_the_shaft_gives_the_oil_is_not_counted_as_brought():
+    """M491: a pump without loss takes from the output what the oil's flow work adds to it, so that 1 stays 1."""
+    pumped, given = "effects.oil_pump={efficiency: 1, pressure_loss: 0 bar}", "oil_supply.source=suction"
+    bare = "effects.separator=off"
+    free, paid, sump = (
+        run_of(OIL, *each) for each in (["effects.oil_pump=off", bare], [pumped, bare], [pumped, given, bare])
+    )
+    brought = [p.output_power / p.isentropic_efficiency for p in (free, paid, sump)]
+    assert paid.oil_pump_power == pytest.approx(paid.oil_mass_flow / 950.0 * (20e5 - 7e5), rel=1e-9)
+    assert free.output_power - paid.output_power == pytest.approx(paid.oil_pump_power, rel=1e-9)
+    assert brought[0] - brought[1] == pytest.approx(paid.oil_pump_power, rel=1e-6)
+    assert sump.oil_pump_power == 0.0 and brought[2] == pytest.approx(brought[0], rel=1e-9)
+
+
+def test_coupled_chambers_have_the_same_figures_and_losses_that_need_no_heat_have_their_oil():
+    one, other = (run_of(OIL, f"numerics.closing={way}") for way in ("histories", "coupled"))
+    for name in ("gas_mass_flow", "oil_mass_flow", "output_power", "oil_discharge_temperature"):
+        assert one[name] == pytest.approx(other[name], rel=3e-4), name
+    cold = run_of(OIL, "effects.oil_heat=off", "effects.oil_volume=off")
+    assert cold.oil_mass_flow == pytest.approx(0.5 * cold.gas_mass_flow, rel=1e-9)
+    assert cold.oil_ratio == 0.5 and cold.oil_pump_power > 0.0
+
+
+def test_an_expander_without_oil_in_its_gas_is_dry():
+    dry = run_of(OIL, "oil_supply.ratio=0")
+    other = run_of(POINT, "machine.volume.min=3 cm^3")
+    for name in ("gas_mass_flow", "indicated_power", "discharge_temperature"):
+        assert dry[name] == pytest.approx(other[name], rel=1e-4), name
+
+
+def run_of(path, *overrides):
+    """Return the figures of a scene that closes."""
+    result = simulate(load(path, list(overrides)), trace=False)
+    assert result.status == "ok", result.message
+    return result.performance
+
+
 # ---- mirrored laws ----
 
 
@@ -178,9 +285,23 @@ def test_a_profiled_expander_mirrors_its_life():
 # ---- faults ----
 
 
-def test_oil_belongs_to_a_compressor():
-    with pytest.raises(SceneError, match=r"oil_supply: needs machine.mode: compressor"):
-        make(LINES)
+REFUSED = {
+    "oil_supply.kind: displacement needs machine.mode: compressor": "oil_supply={kind: displacement, ratio: null}",
+    "oil_supply.flow: needs machine.mode: compressor": "oil_supply={flow: 40 L/min, ratio: null}",
+    "oil.transport: needs machine.mode: compressor": "oil.transport=paper",
+    "effects.oil_injection: .*or to an expander without oil": "effects.oil_injection={opens: 9 deg, closes: 99 deg}",
+    "effects.suction_line: applies only to": "effects.suction_line={}",
+    "effects.plenums: applies only to": "effects.plenums={discharge_volume: 5 l}",
+    "effects.separator: lies behind an expander's outlet": "effects.oil_pump=off",
+    "oil_supply.source: .* lies behind an expander's outlet": "oil_supply.source=suction",
+    "effects.slide_valve: applies only to machine.mode: compressor .remove it": "effects.slide_valve={}",
+}
+
+
+@pytest.mark.parametrize(("told", "changed"), REFUSED.items(), ids=lambda each: each.partition(" ")[0])
+def test_what_an_expander_with_oil_cannot_have_is_told(told, changed):
+    with pytest.raises(SceneError, match=told):
+        load(OIL, [changed])
 
 
 def test_an_expander_needs_a_lower_discharge():

@@ -12,6 +12,7 @@ from screwsim.scene.operation import P_D, P_S
 from screwsim.study.asked.inputs import ends_of
 from screwsim.study.datasheet.gas_sheet import rating_request
 from screwsim.study.datasheet.rated import case_scene
+from screwsim.study.datasheet.tables import oil_line
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.template import new_scene, request_of
 
@@ -211,3 +212,13 @@ def test_what_it_cannot_rate_is_told_in_one_line(scene, more, words, capsys):
 )
 def test_the_lower_end_of_a_range_has_the_unit_of_the_upper_one(text, both):
     assert ends_of(text) == both
+
+
+def test_an_expanders_oil_comes_from_a_pump_and_is_warmed_elsewhere():
+    for changes, warms in (
+        ([], "39.6 kW warm it again"),
+        (["effects.separator=off"], "what warms it again is not simulated"),
+    ):
+        scene = screwsim.load(CONFIGS / "expander" / "oil.yaml", changes)
+        (told,) = dict(oil_line(scene, screwsim.simulate(scene).performance)).values()
+        assert told.startswith("from a pump") and told.endswith(f"at 95.0 °C; {warms}")

@@ -38,7 +38,8 @@ def build_oil(scene: Scene, at: Lines) -> OilPart | None:
         if supply.line is not None and supply.line.pressure_loss > 0.0:
             numbers |= {"line_loss": supply.line.pressure_loss, "line_flow": supply.line.flow}
     source = at.p_s if supply.from_sump else at.p_d
-    return OilPart(known.density, known.heat_capacity, supply.temperature, oil.carried, numbers, source)
+    with_gas = numbers["ratio"] if scene.machine.expands else 0.0
+    return OilPart(known.density, known.heat_capacity, supply.temperature, oil.carried, numbers, source, with_gas)
 
 
 def build_parts(scene: Scene, cache: PartsCache | None = None, set_speed: float | None = None) -> Parts:

@@ -280,6 +280,11 @@ def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float, h_d:
     if discharge is None:
         discharge = gas.port_state(p_d, problem.scene.operation.discharge.temperature or gas.nearest_vapour(p_d, T_d))
     R[R_SUCTION : R_SUCTION + UP_TO_OIL] = *problem.suction.port_state(discharge[ENTHALPY]), 0.0, T_oil
+    arriving = parts.arriving_oil
+    if arriving > 0.0:  # (M490)
+        R[R_SUCTION + OIL_RATIO] = arriving
+        R[R_SUCTION + OIL_TEMPERATURE] += problem.oil_pressure_term(problem.suction.pressure)
+        R[R_SUCTION + DENSITY] *= problem.gas_share(float(R[R_SUCTION + DENSITY]), arriving) ** 2
     R[R_DISCHARGE : R_DISCHARGE + UP_TO_OIL] = *discharge, d, T_oil + problem.oil_pressure_term(p_d)
     R[R_DISCHARGE + DENSITY] *= problem.gas_share(float(R[R_DISCHARGE + DENSITY]), d) ** 2
     if isinstance(parts.oil_content, OilSolution):

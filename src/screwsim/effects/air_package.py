@@ -247,9 +247,6 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionChange]:
 
 def check(parameters: Parameters, facts) -> Faults:
     path = f"effects.{NAME}"
-    if facts.machine.expands:
-        yield Fault(path, "applies only to machine.mode: compressor (remove it)")
-        return
     if "motor" not in facts.effects:
         what = "needs effects.motor, whose electrical power is the package's"
         yield Fault(path, f"{what} (add it, e.g. rated_power: 75 kW)")
@@ -283,4 +280,5 @@ EFFECT = Effect(
     check=check,
     figures=(*FIGURES, *OF_WATER),
     roles={AFTERCOOLED[1]: ".aftercooler", CHANGED[0]: ".inlet_filter"},
+    in_expander="never",
 )

@@ -10,7 +10,7 @@ Source: screwsim, docs/how-to/adding-an-effect.md.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from screwsim.effects.parts.flows import (
     DISCHARGE,
@@ -91,7 +91,7 @@ class Effect:
     The core never asks for an effect by name; an effect says of itself what the core wants to know. `roles` maps such a
     question (a text of `outputs` or `effects.parts.usual`) to the effect's own `.key` that answers it, or to an empty
     text where the answer is always yes. `usual` says, by what a machine offers, which usual ingredient of a scene it
-    is. `sizes` are those of its keys that must fit into the machine.
+    is. `sizes` are those of its keys that must fit into the machine. `in_expander`: whether an expander can have it.
     """
 
     name: str
@@ -112,7 +112,14 @@ class Effect:
     roles: Mapping[str, str] = field(default_factory=dict)
     usual: Mapping[str, Usual] = field(default_factory=dict)
     sizes: tuple[Sized, ...] = ()
+    in_expander: Literal["always", "dry", "never"] = "always"  # dry: without oil, whose ways it would have to follow
 
     def fits(self, kind: MachineKind) -> bool:
         """Tell whether a kind of machine offers what this effect needs."""
         return self.needs <= kind.offers
+
+    def suits(self, kind: MachineKind, expands: bool, oiled: bool) -> bool:
+        """Tell whether a machine of a kind can have this effect, as an expander or not, with oil or without."""
+        return self.fits(kind) and (
+            not expands or self.in_expander == "always" or (self.in_expander == "dry" and not oiled)
+        )

@@ -78,8 +78,6 @@ def check(parameters: Parameters, facts) -> Faults:
     if parameters.source == "discharge" and facts.operation.discharge.temperature is not None:
         what = "is given, but the returned gas has the temperature of the outflow (remove it, or the bypass)"
         yield Fault("operation.discharge.temperature", what)
-    if facts.machine.expands:
-        yield Fault(path, "applies only to machine.mode: compressor (an expander's discharge is the lower pressure)")
 
 
 def check_geometry(parameters: Parameters, geometry) -> Faults:
@@ -101,4 +99,5 @@ EFFECT = Effect(
     check_geometry=check_geometry,
     sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.2)),),
     roles={CHANGED[0]: ".share"},
+    in_expander="never",
 )

@@ -151,7 +151,7 @@ def check(parameters: Parameters, facts) -> Faults:
     yield from check_window(NAME, parameters)
     if not condenses(facts.gas):
         yield Fault(f"effects.{NAME}", "an ideal gas has no liquid (write gas.model: real, or remove it)")
-    if facts.operation.condensing_temperature is None or facts.machine.expands:
+    if facts.operation.condensing_temperature is None:
         what = "needs the liquid of a condenser (state a compressor's lines by evaporating and condensing temperature)"
         yield Fault(f"effects.{NAME}", what)
     elif condenses(facts.gas) and facts.operation.gas_cooler is None:
@@ -201,4 +201,5 @@ EFFECT = Effect(
     figures=FIGURES,
     warnings=warnings,
     sizes=(Sized("area", SHELL, WIDEST, (0.0, 0.05)),),
+    in_expander="never",
 )

@@ -358,4 +358,5 @@ EFFECT = Effect(
         Trace(f"{to}_plenum_pressure", "Pa", f"pressure in the {to} plenum, by the youngest chamber's angle")
         for to in LINES
     ),
+    in_expander="dry",
 )

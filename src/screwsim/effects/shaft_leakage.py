@@ -92,8 +92,6 @@ def check(parameters: Parameters, facts) -> Faults:
     if facts.operation.discharge.temperature is not None:
         what = "is given, but what leaks has the temperature of the outflow (remove it, or effects.shaft_leakage)"
         yield Fault("operation.discharge.temperature", what)
-    if facts.machine.expands:
-        yield Fault(path, "applies only to machine.mode: compressor (remove it)")
 
 
 def _model_faults(path: str, parameters: Parameters, facts) -> Faults:
@@ -129,4 +127,5 @@ EFFECT = Effect(
     needs=frozenset({ROTORS}),
     figures=FIGURES,
     usual={ROTORS: LEAK},
+    in_expander="never",
 )

@@ -89,8 +89,6 @@ def check(parameters: Parameters, facts) -> Faults:
     if given and len(given) < len(_RADIAL):
         missing = next(name for name in _RADIAL if name not in given)
         yield Fault(f"{path}.{missing}", f"is missing (these are stated together: {', '.join(_RADIAL)})")
-    if facts.machine.expands:
-        yield Fault(path, "applies only to machine.mode: compressor (remove it)")
 
 
 def _beside(parameters: Parameters, path: str, what: str, names: tuple[str, ...]) -> Faults:
@@ -121,4 +119,5 @@ EFFECT = Effect(
     needs=frozenset({ROTORS}),
     roles={SLIDES: ".position"},
     sizes=(Sized("slot_area", SHELL, WIDEST, (0.0, 0.5)), Sized("radial_area", SHELL, WIDEST, (0.0, 0.5))),
+    in_expander="never",
 )

@@ -53,4 +53,5 @@ EFFECT = Effect(
     figures=FIGURES,
     usual={ROTORS: SUCTION_RETURN},
     roles={CHANGED[0]: "", SUCTION_BACK: ""},
+    in_expander="dry",
 )

@@ -32,4 +32,5 @@ EFFECT = Effect(
     parameters=Parameters,
     build=build,
     roles={CHANGED[0]: ""},
+    in_expander="dry",
 )

@@ -9,7 +9,7 @@ import numpy as np
 from screwsim.build import build_site
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import flow_past_suction_port, outflow_dissolved_gas, outflow_of, streams_of
-from screwsim.cycle.cycle_figures import CycleFigures, oil_lift
+from screwsim.cycle.cycle_figures import CycleFigures, kept_in_oil, oil_lift
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import SUCTION, Drawn, Given, Plenum, Separator, Turn
 from screwsim.evaluate import humidity, performance
@@ -90,7 +90,7 @@ def figures_of(
     if parts.suction_line:
         found |= _of_suction_line(problem, life, streams, suction_line.suction_heat(problem, shaft))
     if parts.geometry.expands:
-        take(_of_expander(problem, life, found, drawn))
+        take(_of_expander(problem, life, known, found, drawn))
     if parts.walls:
         found["wall_heat"] = float(q[slots.Q_WALLS : slots.Q_WALLS + 2 * len(parts.walls) : 2].sum()) * rate
     take(performance.readings(parts, known, found))
@@ -133,7 +133,11 @@ def _refrigerating_effect(problem: Problem, found: Mapping[str, Any]) -> float |
 
 
 def _of_expander(
-    problem: Problem, life: Trajectory, found: dict[str, Any], drawn: Sequence[tuple[float, Reservoir]]
+    problem: Problem,
+    life: Trajectory,
+    known: CycleFigures,
+    found: dict[str, Any],
+    drawn: Sequence[tuple[float, Reservoir]],
 ) -> Given:
     """Return the figures that an expander has in place of a compressor's; `drawn` as in `performance.efficiencies`."""
     geometry, closes = problem.parts.geometry, problem.parts.geometry.inlet_closes
@@ -142,16 +146,21 @@ def _of_expander(
     own = float(found["gas_mass_flow"]) * (problem.h_isentropic - problem.inlet.enthalpy)
     work = problem.parts.gas.isentropic_work_of_enthalpy  # of what own plenums add; negative for what expands (M101)
     power = own + sum(net * work(state.p, problem.lines.p_d, state.h) for net, state in drawn)
+    if problem.parts.oil is not None:
+        brought = known.oil_volume_flow * (problem.lines.p_s - problem.lines.p_d)
+        power -= brought - kept_in_oil(problem.parts, known)  # less what the shaft's own pump gave it (M491)
     return performance.figures_of_expander(found, power, filled)
 
 
 def _of_oil(problem: Problem, life: Trajectory, known: CycleFigures, flow: float) -> dict[str, float | None]:
     """Return the figures of the oil; its ratio is that at the injection angle, or at the end of a port's injection."""
-    port, ratio = problem.parts.oil_port, known.oil_mass_flow / flow if flow > 0.0 else math.inf
+    parts, ratio = problem.parts, known.oil_mass_flow / flow if flow > 0.0 else math.inf
+    port = parts.oil_port
     d = life.R[slots.R_RATIO] if port is None else life.states_at(np.array([port.closes]))[0, slots.S_X_OIL]
+    known_by_gas = parts.geometry.expands and not problem.composition.carried
     return {
         "oil_mass_flow": known.oil_mass_flow,
-        "oil_ratio": float(d),
+        "oil_ratio": parts.arriving_oil if known_by_gas else float(d),
         "oil_flow_ratio": ratio if math.isfinite(ratio) else None,
         "oil_discharge_temperature": known.oil_discharge_temperature,
         "injection_pressure": known.injection_pressure,
@@ -199,6 +208,8 @@ def _condenser_heat(problem: Problem, circuit: Circuit | str | None, leaving: fl
         return performance.NONE_LEAVES
     h = leaving
     if isinstance(circuit, Circuit) and parted:
+        if circuit.parted.why:
+            return circuit.parted.why
         h = problem.parts.gas.enthalpy(problem.lines.p_d, circuit.parted.T_separator)
     return effect + h - problem.inlet.enthalpy
 

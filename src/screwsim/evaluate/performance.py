@@ -1,7 +1,7 @@
 """Performance figures of a cycle: flows, powers, efficiencies, and saturation temperatures of both lines.
 
 A text in place of a figure's value is the reason why there is none.
-Source: docs/model.md M25–M36, M43–M45, M151, M152, M410, M411.
+Source: docs/model.md M25–M36, M43–M45, M151, M152, M410, M411, M491.
 """
 
 from collections.abc import Mapping, Sequence
@@ -179,8 +179,8 @@ NO_MEANING = {
 def figures_of_expander(found: Mapping[str, Any], isentropic_power: float, filled: float | None) -> Given:
     """Return the figures of an expander in place of a compressor's.
 
-    `isentropic_power` [W], negative, of the net gas flow and of what own plenums add (M151); `filled` [kg/s]: flow that
-    fills the chambers where the inlet closes, None without an inlet port.
+    `isentropic_power` [W], negative, of the net gas flow, of what own plenums add (M151) and of oil that comes with the
+    gas (M491); `filled` [kg/s]: flow that fills the chambers where the inlet closes, None without an inlet port.
     """
     flow, shaft = float(found["gas_mass_flow"]), float(found["shaft_power"])
     changed: dict[str, float | str] = {**NO_MEANING, "output_power": -shaft}

@@ -29,7 +29,7 @@ from screwsim.numerics.settings import CLOSINGS
 from screwsim.outputs.customary import in_bar, in_celsius, with_printed_units
 from screwsim.scene.fields import Section, section_of
 from screwsim.scene.grid import FLUID, case_count, dimensions
-from screwsim.scene.plausible import leaks_in_words
+from screwsim.scene.plausible import leaks_in_words, machine_in_words, suitable_effects
 from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
 
@@ -74,7 +74,7 @@ def explain(scene: Scene) -> Explanation:
         parts = build_parts(scene)
         model = compose(parts)
     kind = kind_of(scene.machine)
-    left_out = tuple(name for name, effect in catalogue().items() if name not in scene.effects and effect.fits(kind))
+    left_out = tuple(name for name in suitable_effects(scene) if name not in scene.effects)
     omitted = [row(name, catalogue()[name].title) for name in left_out]
     omitted = omitted or [row("none", "every effect of the catalogue is active")]
     sections: list[tuple[str, Iterable[str]]] = [
@@ -99,7 +99,8 @@ def _effect_counts(scene: Scene, left_out: tuple[str, ...]) -> str:
     every = catalogue()
     active = sum(name in every for name in scene.effects)
     own = len(scene.effects) - active
-    text = f"{active} of the {active + len(left_out)} of a {scene.machine.kind}; {len(every)} in all"
+    machine = machine_in_words(scene)
+    text = f"{active} of the {active + len(left_out)} of {machine}; {len(every)} in all"
     return f"{text}; {own} of your own" if own else text
 
 

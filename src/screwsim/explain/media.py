@@ -103,6 +103,7 @@ def oil_rows(scene: Scene, parts: Parts) -> Iterator[str]:
         at = f"a port up to {math.degrees(port.closes):g} deg"
     behind = "" if supply.line is None else ", after its line (M392)"
     equation = f"its ratio d at {at} is given" if supply.pumped else f"set by the orifice (M30){behind}"
+    equation = "it comes in with the gas, in the ratio d (M490)" if parts.geometry.expands else equation
     equation = equation if supply.discharge_temperature is None else f"its ratio d at {at} is found (M370)"
     equation = equation if supply.flow is None else f"its ratio d at {at} is found (M393)"
     foreign = ("kind", "orifice_count") if supply.pumped else ("kind", "source")

@@ -14,9 +14,10 @@ from screwsim.effects import catalogue, find_effect
 from screwsim.effects.base import Effect
 from screwsim.inputs.declare import UNBOUNDED, FoundWithCycle, is_derived
 from screwsim.inputs.faults import UsageError
-from screwsim.machine.kinds import find_machine, kind_of
+from screwsim.machine.kinds import find_machine
 from screwsim.machine.protocol import Size
 from screwsim.scene.fields import Leaf, Section, scene_section, section_of, unknown_key, value_at
+from screwsim.scene.plausible import suitable_effects
 from screwsim.scene.sizes import sizes_of_effect
 from screwsim.scene.types import Scene
 from screwsim.scene.units import customary_unit, readable_quantity, to_customary
@@ -111,8 +112,7 @@ def parameters(scene: Scene, names: Sequence[str] = ()) -> str:
     A name may continue to one key (`tip_leakage.gap`). Raise UsageError for an unknown name.
     """
     kind = scene.machine.kind
-    fitting = {name: effect for name, effect in catalogue().items() if effect.fits(kind_of(scene.machine))}
-    known = fitting | {name: active.effect for name, active in scene.effects.items()}
+    known = suitable_effects(scene) | {name: active.effect for name, active in scene.effects.items()}
     asked = [name.removeprefix("effects.") for name in names] or [*SECTIONS, *known]
     return "\n\n".join("\n".join(_section_or_effect(scene, name, known, kind)) for name in asked)
 

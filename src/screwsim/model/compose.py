@@ -169,7 +169,8 @@ def _write(writer: ModelWriter, parts: Parts, law: Any) -> None:
     writing.write_heat(writer, parts.all(HeatRate))
     writing.write_walls(writer, parts.walls)
     writing.write_pulsations(writer, parts)
-    writing_oil.write_supply(writer, oil if port is None else None, geometry.pitch, parts.omega)
+    injected = oil if port is None and not geometry.expands else None  # that of an expander comes with the gas
+    writing_oil.write_supply(writer, injected, geometry.pitch, parts.omega)
     if port is not None:
         writing_oil.write_ports(writer, parts, port)
     if parts.oil_gas is not None:

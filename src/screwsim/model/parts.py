@@ -21,6 +21,7 @@ class OilPart:
     """The oil in the model: properties [SI], whether its mass is `carried` as a state, and supply.
 
     `supply` is {'ratio': d} for a pump, or the orifice's density, viscosity, diameter, length, number, p_separator.
+    `with_gas` is the oil per gas that comes in with the gas of the suction line (an expander, M490), else 0.
     """
 
     density: float
@@ -29,6 +30,7 @@ class OilPart:
     carried: bool
     supply: Mapping[str, float]
     source_pressure: float = 0.0
+    with_gas: float = 0.0
 
 
 class Effects(dict[str, Sequence[Any]]):
@@ -141,6 +143,11 @@ class Parts:
     def oil_room(self) -> bool:
         """Whether the oil takes room."""
         return bool(self.all(base.OilRoom))
+
+    @property
+    def arriving_oil(self) -> float:
+        """Oil per gas that comes in with the gas of the suction line (an expander, M490); 0 without."""
+        return 0.0 if self.oil is None else self.oil.with_gas
 
     @once
     def films(self) -> list[bool]:

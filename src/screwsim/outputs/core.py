@@ -104,7 +104,13 @@ _CORE = (
     efficiency("isentropic_efficiency", "isentropic efficiency of the shaft power", by_flow=True),
     efficiency("volumetric_efficiency", "volumetric efficiency", by_flow=True),
     Figure("gas_mass_flow", "kg s-1", "net gas mass flow from the suction line", NET_FLOW, by_flow=True),
-    _oiled("oil_mass_flow", "kg s-1", "injected oil mass flow", Scale(LEAST_OIL, ("gas_mass_flow",)), by_oil=True),
+    _oiled(
+        "oil_mass_flow",
+        "kg s-1",
+        "injected oil mass flow (expander: with the gas)",
+        Scale(LEAST_OIL, ("gas_mass_flow",)),
+        by_oil=True,
+    ),
     _oiled(
         "oil_ratio",
         "1",
@@ -133,7 +139,8 @@ _CORE = (
     _oiled(
         "injection_pressure",
         "Pa",
-        "chamber pressure where oil is injected: at 360 degrees (rotors: where suction closes; oil_injection: mean)",
+        "chamber pressure where oil is injected: at 360 degrees (rotors: where suction closes; oil_injection: mean; "
+        "expander: that of the suction line)",
     ),
     Figure("suction_pressure", "Pa", "pressure of the suction line"),
     Figure("suction_temperature", "K", "temperature of the suction line"),

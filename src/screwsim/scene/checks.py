@@ -42,7 +42,7 @@ def cross_check(scene: Scene) -> list[Fault]:
         *machine,
         *size_faults(scene),
         *operation,
-        *([] if operation else _expander(scene)),
+        *([] if operation else _oil_with_gas(scene)),
         *_oil_without_injection(scene),
         *oil_faults(scene),
         *_oil_supply(scene),
@@ -65,11 +65,26 @@ def _oil_without_injection(scene: Scene) -> Iterator[Fault]:
             yield Fault(name, what)
 
 
-def _expander(scene: Scene) -> Iterator[Fault]:
-    """Yield faults of what cannot be combined with an expander; called once the lines are known to be those of one."""
-    if scene.machine.expands and scene.oil_supply is not None:
-        why = "oil is injected where compression begins, which is the end of an expansion"
-        yield Fault("oil_supply", f"needs machine.mode: compressor ({why}; remove it with the effects that need oil)")
+def _oil_with_gas(scene: Scene) -> Iterator[Fault]:
+    """Yield faults of the oil of an expander, which comes in with the gas (M490)."""
+    supply = scene.oil_supply
+    if supply is None or not scene.machine.expands:
+        return
+    comes = "an expander's oil comes in with its gas, in a stated ratio"
+    if not supply.pumped:
+        yield Fault("oil_supply.kind", f"displacement needs machine.mode: compressor ({comes}: write kind: pump)")
+    for name in ("discharge_temperature", "flow"):
+        if getattr(supply, name) is not None:
+            yield Fault(f"oil_supply.{name}", f"needs machine.mode: compressor ({comes}: write ratio, e.g. ratio: 3)")
+    if scene.oil is not None and not scene.oil.carried:
+        yield Fault("oil.transport", f"needs machine.mode: compressor ({comes}: write transport: carried)")
+    cooling, pumps = _cooling(scene), having(PUMPS)
+    if cooling is not None and not any(pump.removeprefix("effects.") in scene.effects for pump in pumps):
+        what = f"lies behind an expander's outlet, and nothing lifts its oil to the inlet (name {' or '.join(pumps)})"
+        yield Fault(f"effects.{cooling[0]}", what)
+    if cooling is not None and supply.from_sump:
+        what = f"effects.{cooling[0]}, from which the oil comes, lies behind an expander's outlet"
+        yield Fault("oil_supply.source", f"{what} (write source: separator)")
 
 
 def oil_faults(scene: Scene) -> Iterator[Fault]:
@@ -197,6 +212,10 @@ def _effects(scene: Scene) -> Iterator[Fault]:
             fitting = kinds_offering(active.effect.needs)
             fitting = f"applies only to machine.kind: {fitting}" if fitting else f"is not for a {scene.machine.kind}"
             yield Fault(path, f"{fitting} (remove the effect, or change the machine)")
+            continue
+        if not active.effect.suits(kind, scene.machine.expands, scene.oil_supply is not None):
+            dry = ", or to an expander without oil" if active.effect.in_expander == "dry" else ""
+            yield Fault(path, f"applies only to machine.mode: compressor{dry} (remove it)")
             continue
         if active.effect.needs_oil and lacking:
             what = f"needs {' and '.join(lacking)}, which this scene lacks (write that, or remove the effect)"

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.effects import catalogue
+from screwsim.effects.base import Effect
 from screwsim.effects.parts.usual import LEAK, USUAL, Usual
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses, find_gas_model
@@ -219,16 +220,17 @@ def virial_compressibility(limits: constants.Limits, p: float, T: float) -> floa
 
 
 def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield a warning where the oil is so cold that a real gas condenses on it at the discharge pressure."""
+    """Yield a warning where the oil is so cold that a real gas condenses on it at the higher pressure."""
     supply = scene.oil_supply
     if supply is None or supply.temperature is None or not condenses(scene.gas) or not _oil_warming(scene.effects):
         return
-    p_d = lines(scene).p_d
+    at, line = lines(scene), "suction" if scene.machine.expands else "discharge"
+    p = max(at.p_s, at.p_d)
     with suppress(UsageError):  # above the critical pressure
-        T = constants.saturation_temperature(scene.gas.name, p_d)
+        T = constants.saturation_temperature(scene.gas.name, p)
         if supply.temperature < T:
             cold, warm = map(in_celsius, (supply.temperature, T))
-            what = f"{scene.gas.name} condenses on it at the discharge pressure, {1e-5 * p_d:.4g} bar, below {warm}"
+            what = f"{scene.gas.name} condenses on it at the {line} pressure, {1e-5 * p:.4g} bar, below {warm}"
             yield "oil_supply.temperature", f"the oil enters at {cold}; {what} (use warmer oil)"
 
 
@@ -271,14 +273,18 @@ def leaks_in_words(scene: Scene) -> str:
 
 def left_out_in_words(scene: Scene) -> str:
     """Return in one line how many effects are not simulated, and which of these typical scenes name."""
-    kind = kind_of(scene.machine)
-    left = [name for name, effect in catalogue().items() if name not in scene.effects and effect.fits(kind)]
+    left = [name for name, effect in suitable_effects(scene).items() if name not in scene.effects]
     if not left:
         return ""
     usual = list(_usual(scene))
     among = f", among them {joined_names(usual)}, which typical scenes name" if usual else ""
     many = f"{len(left)} effects" if len(left) > 1 else "1 effect"
-    return f"not simulated: {many} of a {scene.machine.kind}{among} (screwsim explain says what each is)"
+    return f"not simulated: {many} of {machine_in_words(scene)}{among} (screwsim explain says what each is)"
+
+
+def machine_in_words(scene: Scene) -> str:
+    """Return what a scene's machine is, with its article."""
+    return "an expander" if scene.machine.expands else f"a {scene.machine.kind}"
 
 
 def _usual(scene: Scene) -> Iterator[str]:
@@ -291,10 +297,16 @@ def _usual(scene: Scene) -> Iterator[str]:
             yield " or ".join(names)
 
 
+def suitable_effects(scene: Scene) -> dict[str, Effect]:
+    """Return the effects that a scene's machine can have, by name."""
+    kind, expands, oiled = kind_of(scene.machine), scene.machine.expands, scene.oil_supply is not None
+    return {name: effect for name, effect in catalogue().items() if effect.suits(kind, expands, oiled)}
+
+
 def _usual_effects(scene: Scene) -> dict[Usual, list[str]]:
     """Return the effects that count as usual for this kind of machine, by what they stand for."""
     kind, found = kind_of(scene.machine), {}
-    for name, effect in catalogue().items():
+    for name, effect in suitable_effects(scene).items():
         for offer, what in effect.usual.items():
             if offer in kind.offers:
                 found.setdefault(what, []).append(name)

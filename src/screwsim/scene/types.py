@@ -156,7 +156,10 @@ class OilSupply:
         (PUMP, "displacement"),
     )
     ratio: float | None = number(
-        "d: oil-to-gas mass ratio in the chamber at 360 deg (pump)", None, ge=0.0, hardly=(None, 100.0)
+        "d: oil-to-gas mass ratio in the chamber at 360 deg (pump; expander: in the gas that comes in)",
+        None,
+        ge=0.0,
+        hardly=(None, 100.0),
     )
     discharge_temperature: float | None = oil_temperature(
         "temperature of gas and oil after the discharge port, for which the oil flow is found (M370), in place of ratio"

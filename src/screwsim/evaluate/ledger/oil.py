@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.cycle.cycle_figures import oil_lift
-from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilGas, OilSolution, PowerLoss, Pulsation, Separator
+from screwsim.cycle.cycle_figures import kept_in_oil, oil_lift
+from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilGas, OilSolution, Pulsation, Separator
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger.book import (
     NOT_CONSERVED,
@@ -61,7 +61,7 @@ def oil_rise(cycle: LedgerCycle, sums: OilSums, heats: Array, suction: State) ->
     for name, row in zip(c.heats, heats, strict=True):
         cycle.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
     lift = oil_lift(cycle.parts, known)
-    kept = sum(float(one.kept(known)) for _, one in cycle.parts.all(PowerLoss) if one.kept is not None)  # as pressure
+    kept = kept_in_oil(cycle.parts, known)
     cycle.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + kept)
     for name, part in cycle.parts.all(Pulsation):
         if part.to == DISCHARGE and not cycle.parts.oil_room:  # loss of the oil on its way to the line (M187)
@@ -166,14 +166,15 @@ def _carried(cycle: LedgerCycle, sums: OilSums) -> float:
     for end in dict.fromkeys(end for end in ends if not end.kept):
         rows = [row[columns] for row, other in zip(paths, ends, strict=True) if other is end]
         taken = [sum(column) for column in zip(*rows, strict=True)]
-        rise = taken[0] / oil.density * (cycle.lines.p_d - cycle.known.oil_source_pressure)
-        lost += rise
+        returns = end.name == SUCTION and cycle.parts.geometry.expands  # to where it came from: its flow is net (M490)
+        source = cycle.lines.p_d if returns else cycle.known.oil_source_pressure
+        lost += taken[0] / oil.density * (cycle.lines.p_d - source)
         if taken[0] > 0.0:
-            p = cycle.pressure(end.name) if cycle.parts.oil_room else cycle.lines.p_d
-            pressure = taken[0] / oil.density * (p - cycle.known.oil_source_pressure)
+            p = cycle.pressure(end.name) if cycle.parts.oil_room and not returns else cycle.lines.p_d
+            pressure = taken[0] / oil.density * (p - source)
             energy = oil.heat_capacity * (taken[1] - taken[0] * oil.temperature)
             cycle.add(end.entry, energy=energy, exergy=_thermal(cycle, taken[0], taken[1], taken[2]) + pressure)
-    if not cycle.composition.ported:
+    if not (cycle.composition.ported or cycle.parts.geometry.expands):
         cycle.add(OIL_INJECTION, entropy=cycle.rate * _injection(cycle))
     T_line = float(cycle.R[slots.R_DISCHARGE + slots.OIL_TEMPERATURE]) - pressed
     rise = _thermal(cycle, *_mixed(out, out_T)) - _thermal(cycle, *_mixed(back, back * T_line)) - lost

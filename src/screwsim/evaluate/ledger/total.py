@@ -119,7 +119,7 @@ def ledger(of: Evaluation) -> Ledger:
 def _intake_state(cycle: LedgerCycle) -> State:
     """Return the state of the gas before the suction port: the line's, unless mixed or throttled."""
     h, rho = (float(cycle.R[R_SUCTION + at]) for at in (ENTHALPY, DENSITY))
-    if cycle.parts.suction_line:
+    if cycle.parts.suction_line or cycle.parts.arriving_oil:  # oil that takes room is in the line's own density
         return cycle.at(cycle.suction.pressure, h)
     port_state = cycle.suction.port_state(float(cycle.R[R_DISCHARGE + ENTHALPY]))
     return cycle.state(cycle.suction.temperature(port_state, cycle.lines.T_s), rho, h)
