@@ -138,7 +138,7 @@ def collocated_nearby(
         raise NotClosed("the events of a turn may be others")
     pitch.put(numbers)
     pitch.install_shifted(cycle.start, cycle.nodes, 1.0, moves)
-    return _collocated(problem, pitch.machinery, pitch.machinery.trajectory.copy(), STEPS[0], fineness, cycle.placed)
+    return _collocated(problem, pitch.machinery, pitch.machinery.trajectory.copy(), cycle.placed, fineness)
 
 
 def fine_turn(machinery: Machinery, life: Trajectory) -> Trajectory:
@@ -154,16 +154,11 @@ def fine_turn(machinery: Machinery, life: Trajectory) -> Trajectory:
 
 
 def _collocated(
-    problem: Problem,
-    machinery: Machinery,
-    life: Trajectory,
-    steps: float,
-    fineness: Fineness,
-    nearby: Placed | None = None,
+    problem: Problem, machinery: Machinery, life: Trajectory, begin: float | Placed, fineness: Fineness
 ) -> CollocatedCycle:
     """Collocate with slices of so many steps first; refine and place them at turning flows until both settle.
 
-    Slices that are given by a cycle `nearby` need no refinement.
+    Or begin with those of a cycle nearby, which need no refinement.
     """
     machinery.put(life)
     seams, course = slices.fixed_edges(machinery, problem.parts), course_of(machinery.trajectory)
@@ -176,13 +171,13 @@ def _collocated(
         raise NotClosed("a valve meets its seat or stop, or leaves it, at the angle of another event")
     tolerance = fineness.error * ERROR * problem.scene.numerics.accuracy
     tolerance *= OF_TURN if machinery.alone else 1.0
-    if good := nearby is not None:
-        plain = nearby.edges
+    if good := isinstance(begin, Placed):
+        plain, before = begin
     else:
-        plain = slices.edges_of(machinery, seams, steps, fineness.longest * slices.LONGEST)
+        plain, before = slices.edges_of(machinery, seams, begin, fineness.longest * slices.LONGEST), []
     pitch = pitch_of(problem, machinery, slices.between(plain), seams, course)
-    Y, turns, linear, own = np.empty(0), crossings(pitch), None, ChamberFactors()
-    closing, turns = good, _with_vanished(turns, nearby.crossings) if nearby is not None else turns
+    Y, linear, closing, own = np.empty(0), None, good, ChamberFactors()
+    turns = _with_vanished(crossings(pitch), before)
     for left in range(ROUNDS, 0, -1):
         highest = peak(machinery.trajectory, problem.parts.geometry)[1] % float(machinery.composition.P[P_PITCH])
         edges = slices.with_rings(plain, seams, turns, (fineness.ring, fineness.wider), highest)

@@ -113,9 +113,10 @@ def open_volumes(problem: Problem, pitch: CollocatedPitch) -> Array:
     volumes, area, is_open = np.empty(angles.size), np.empty(angles.size), np.zeros((len(LINES), angles.size), bool)
     module.trace__volumes(angles, c.P, c.TAB, volumes)
     for i, (_, path) in enumerate(problem.parts.ports):
-        if path.to in LINES:
+        number = problem.parts.number(path.to)
+        if number < len(LINES):
             module.trace__areas_along(angles, i, c.P, c.TAB, area)
-            is_open[LINES.index(path.to)] |= area > 0.0
+            is_open[number] |= area > 0.0
     return is_open @ (volumes * (widths * WEIGHTS).ravel()) / problem.parts.geometry.pitch
 
 
