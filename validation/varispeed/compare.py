@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 from screwsim.scene import load
 from screwsim.study.validation import Comparison, Row, sibling
 
-points, shown = (sibling(Path(__file__).parents[1] / name) for name in ("varispeed/points.py", "hsk/compare.py"))
+points, shown, written = (
+    sibling(Path(__file__).parents[1] / name) for name in ("varispeed/points.py", "hsk/compare.py", "varispeed/new.py")
+)
 
 TITLE = "A semi-hermetic reciprocating compressor on R134a from 25 to 87 Hz"
 CITATION = "BITZER Software 7.1.11.4, as kept in bet-lab/TMHP (bitzer_efficiency_pilot, 2026-10-04)"
@@ -27,20 +30,41 @@ ABOUT = (
     "was not sized."
 )
 MODEL, CONDITION = "4CE-6.F1", "-10/45"
-WRITTEN = ("effects.motor.cooling=ambient", "effects.suction_line=off")  # as `screwsim new` writes it
+LAMBDA = "volumetric_efficiency"
 WITHIN = dict.fromkeys(shown.FIGURES, 0.05)
 TAKEN = dict.fromkeys(shown.FIGURES, "taken, as in validation/energyplus")
 
 
-def compare(here: Path) -> Comparison:
-    """Return the cylinder as written, with its motor's heat in the suction gas, and fitted to three conditions."""
-    ratings, rows, before = points.rated.ratings(here, points.POLES), list[Row](), []
-    for name, overrides in (("new", WRITTEN), ("new, its motor in the suction gas", ())):
-        found = shown.found(load(here / "machine.yaml", overrides), ratings)
+def fitted_to() -> Iterator[Row]:
+    """Yield new cylinders of the machines to whose λ at 50 Hz the clearance is fitted, then at the other speeds."""
+    for model, ratings in written.others().items():
+        flow = ratings[0].displacement
+        found = shown.found(written.new(model, flow), ratings)
         full = [each for each in found if each.rating.frequency == shown.FULL]
-        rows += shown.farthest(f"{name}, {shown.FULL:g} Hz", full, WITHIN, TAKEN)
-        rows += shown.changes(name, found, CONDITION)
-        before = before or found
+        slow, fast = (
+            [
+                each
+                for each in found
+                if each.rating.frequency != shown.FULL and (each.rating.frequency < shown.FULL) is under
+            ]
+            for under in (True, False)
+        )
+        name = f"new, {flow} m³/h ({model})"
+        yield from shown.farthest(f"{name}, {shown.FULL:g} Hz", full, WITHIN, TAKEN, (LAMBDA,))
+        for some in (slow, fast):
+            at = [each.rating.frequency for each in some]
+            yield from shown.farthest(f"{name}, {min(at):g} to {max(at):g} Hz", some, WITHIN, TAKEN)
+
+
+def compare(here: Path) -> Comparison:
+    """Return the cylinder as written, those that its clearance is fitted to, and one fitted to three conditions."""
+    ratings, rows = points.rated.ratings(here, points.POLES), list[Row]()
+    before = shown.found(written.new(MODEL, ratings[0].displacement), ratings)
+    full = [each for each in before if each.rating.frequency == shown.FULL]
+    name = f"new, {ratings[0].displacement} m³/h ({MODEL})"
+    rows += shown.farthest(f"{name}, {shown.FULL:g} Hz", full, WITHIN, TAKEN)
+    rows += shown.changes(name, before, CONDITION)
+    rows += fitted_to()
     predicted = shown.found(load(here / "fitted" / "scene.yaml"), ratings)
     rows += shown.fit_rows(here, predicted, points.FITTED, CONDITION)
     deviations = [*shown.deviations("reciprocating_r134a", predicted, points.FITTED)]

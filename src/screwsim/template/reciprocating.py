@@ -50,7 +50,7 @@ KNOWN = Cylinder(
     rod=40e-3,
     offset=2e-3,
     stroke=16.045e-3,  # from that crank, rod and offset
-    clearance=0.16e-6,
+    clearance=0.325e-6,  # fitted (validation/varispeed)
     speed=2950.0 * RPM,
     ring=1e-6,
     wall=0.57,  # 360 K in the known machine
@@ -164,9 +164,18 @@ def _text(
         "wall": _wall(fluid, duty.p_s, T_s, T_s + of.wall * (duty.hottest - T_s)),
         "friction": f"{of.friction:g}",
         "rated": f"{rated:g} kW",
-        "efficiency": sizes.motor_efficiency(rated),
+        **_drive(fluid, sizes.motor_efficiency(rated)),
     }
     return filled("reciprocating", values)
+
+
+def _drive(fluid: str, efficiency: str) -> dict[str, str]:
+    """Return the efficiency of the motor, what cools it, and where its heat goes."""
+    if not duties.motor_in_gas(fluid):
+        told = "Open drive, as the gas attacks copper"
+        return {"efficiency": efficiency, "drive": told, "suction_line": ""}
+    told = "Semi-hermetic: the suction gas cools the motor"
+    return {"efficiency": f"{efficiency}, cooling: suction_gas", "drive": told, "suction_line": "  suction_line: {}\n"}
 
 
 def _reed(side: str, valve: valves.Valve, piston: float, speed: float) -> str:

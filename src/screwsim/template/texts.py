@@ -78,9 +78,16 @@ def _size(size: sizes.Size, by_diameter: bool) -> str:
 
 
 def ports(size: sizes.Size, viscosity: str = "") -> str:
-    """Return ports and gaps of a flooded machine; `viscosity` is the entry for that of its gas."""
-    lands = {name: sizes.mm(depth * size.scale, 2) for name, depth in sizes.LAND_LENGTHS.items()}
-    return filled("ports", {"gap": sizes.um(sizes.GAP * size.clearance), "viscosity": viscosity, **lands})
+    """Return ports, gaps and shafts of a flooded machine; `viscosity` is the entry for that of its gas."""
+    values = {
+        "gap": sizes.um(sizes.GAP * size.clearance),
+        "shaft": sizes.mm(sizes.SHAFT_DIAMETER * size.scale),
+        "shaft_clearance": sizes.um(sizes.SHAFT_CLEARANCE * size.clearance),
+        "shaft_passage": sizes.mm(sizes.SHAFT_PASSAGE * size.scale, 2),
+        "viscosity": viscosity,
+        **{name: sizes.mm(depth * size.scale, 2) for name, depth in sizes.LAND_LENGTHS.items()},
+    }
+    return filled("ports", values)
 
 
 def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None) -> str:
@@ -100,9 +107,7 @@ def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None) ->
         "kept": kept,
         "conductance": conductance,
         "gap": sizes.um(sizes.GAP * size.clearance),
-        "shaft": sizes.mm(0.105 * big),
-        "shaft_clearance": sizes.um(42e-6 * size.clearance),
-        "shaft_passage": sizes.mm(0.015 * big, 2),
+        "shaft": sizes.mm(sizes.SHAFT_DIAMETER * size.scale),
         "bearing": sizes.mm(0.147 * big),
         "land": sizes.mm(0.003 * big, 2),
     }
