@@ -165,11 +165,11 @@ def _evidence_comments(fluid: str) -> str:
             "Those curves are a mean over five refrigerants including this one;\n"
             "# on R134a at 0/40 degC such machines of 100 to 3000 m^3/h lie within 4 points of their lambda and 6 of "
             "their eta_s.\n"
-            "# Single machines of one maker on R134a (validation/hsk) have a lambda up to 11 points higher at 84 to "
+            "# Single machines of one maker on R134a (validation/hsk) have a lambda up to 10 points higher at 84 to "
             "192 m^3/h\n"
-            "# and 50 Hz, 16 at lower speeds, and 2 to 6 lower at 535; their electrical efficiency is up to 8 lower at "
+            "# and 50 Hz, 15 at lower speeds, and 2 to 6 lower at 535; their electrical efficiency is up to 9 lower at "
             "50 Hz,\n"
-            "# 13 at 25. With `uncertainty: {model: screw_r134a}` added, a run on R134a states that beside both."
+            "# 14 at 25. With `uncertainty: {model: screw_r134a}` added, a run on R134a states that beside both."
         )
     return (
         f"On {fluid} lambda and eta_s rest on the laws and on that fit\n"
