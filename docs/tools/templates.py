@@ -32,6 +32,7 @@ CASES: tuple[tuple[str, Mapping[str, object]], ...] = (
     ("booster", {}),
     ("booster", {"condition": "10/25 bar", "displacement": "200 m^3/h"}),
     *(("expander", {"displacement": f"{flow} m^3/h"}) for flow in (100, 375, 1200)),
+    ("expander", {"displacement": "375 m^3/h", "oil": "POE_68"}),
     *(("reciprocating", {"displacement": f"{flow} m^3/h"}) for flow in (10, 60)),
     *(("reciprocating", {"fluid": "R404A", "condition": f"{each} degC, {superheat} K"}) for each, superheat in RATED),
 )

@@ -162,7 +162,7 @@ def test_fine_droplets_make_the_expansion_polytropic():
 
 def test_with_oil_everything_that_comes_in_goes_out():
     """Gas by CoolProp: what gas and oil lose on their way is the shaft's, the pump's and the motor's apart."""
-    result = simulate(load(OIL))
+    result = simulate(load(OIL, ["effects.separator=off"]))
     assert result.status == "ok"
     p, balance = result.performance, result.balance
     assert max(balance.mass, balance.energy, balance.entropy, balance.oil_mass) <= balance.bound
@@ -175,6 +175,42 @@ def test_with_oil_everything_that_comes_in_goes_out():
     assert p.oil_pump_power == pytest.approx(volume * (20e5 + 0.5e5 - 7e5) / 0.6, rel=1e-9)
     losses = p.oil_pump_power + p.hydromechanical_power + p.mechanical_power
     assert p.output_power == pytest.approx(-p.indicated_power - losses, rel=1e-9)
+
+
+@pytest.mark.parametrize("changed", [(), ("effects.oil_volume=off",), ("oil_supply.temperature=null",)])
+def test_what_warms_the_oil_again_and_the_gas_give_the_output(changed):
+    """M281 by CoolProp: gas leaves the separator, and all friction stays in the oil."""
+    result = simulate(load(OIL, [*changed]))
+    p = result.performance
+    assert result.status == "ok" and not any("would have to heat" in warning for warning in result.warnings)
+    h_in, h_out = (PropsSI("H", "P", at, "T", T, "R134a") for at, T in ((20e5, 373.15), (7e5, p.separator_temperature)))
+    assert p.gas_mass_flow * (h_in - h_out) - p.oil_cooler_duty == pytest.approx(p.output_power, rel=5e-4)
+    assert abs(result.ledger.residue) < 5e-4 * p.output_power
+    if p.oil_cooler_duty == 0.0:  # it comes back as warm as it left
+        assert p.oil_supply_temperature == pytest.approx(p.separator_temperature, abs=0.01)
+    else:
+        assert p.oil_cooler_duty < -0.5 * p.output_power
+
+
+def test_what_no_cycle_changes_has_no_error():
+    result = simulate(load(OIL), trace=False)
+    for name in ("displacement", "displacement_flow", "built_in_volume_ratio", "suction_pressure", "pressure_ratio"):
+        assert result.error[name] == 0.0, name
+    assert min(result.error[name] for name in ("gas_mass_flow", "oil_mass_flow", "trapped_mass", "shaft_power")) > 0.0
+
+
+def test_pressure_that_the_shaft_gives_the_oil_is_not_counted_as_brought():
+    """M491: a pump without loss takes from the output what the oil's flow work adds to it, so that 1 stays 1."""
+    pumped, given = "effects.oil_pump={efficiency: 1, pressure_loss: 0 bar}", "oil_supply.source=suction"
+    bare = "effects.separator=off"
+    free, paid, sump = (
+        run_of(OIL, *each) for each in (["effects.oil_pump=off", bare], [pumped, bare], [pumped, given, bare])
+    )
+    brought = [p.output_power / p.isentropic_efficiency for p in (free, paid, sump)]
+    assert paid.oil_pump_power == pytest.approx(paid.oil_mass_flow / 950.0 * (20e5 - 7e5), rel=1e-9)
+    assert free.output_power - paid.output_power == pytest.approx(paid.oil_pump_power, rel=1e-9)
+    assert brought[0] - brought[1] == pytest.approx(paid.oil_pump_power, rel=1e-6)
+    assert sump.oil_pump_power == 0.0 and brought[2] == pytest.approx(brought[0], rel=1e-9)
 
 
 def test_coupled_chambers_have_the_same_figures_and_losses_that_need_no_heat_have_their_oil():
@@ -256,6 +292,8 @@ REFUSED = {
     "effects.oil_injection: .*or to an expander without oil": "effects.oil_injection={opens: 9 deg, closes: 99 deg}",
     "effects.suction_line: applies only to": "effects.suction_line={}",
     "effects.plenums: applies only to": "effects.plenums={discharge_volume: 5 l}",
+    "effects.separator: lies behind an expander's outlet": "effects.oil_pump=off",
+    "oil_supply.source: .* lies behind an expander's outlet": "oil_supply.source=suction",
     "effects.slide_valve: applies only to machine.mode: compressor .remove it": "effects.slide_valve={}",
 }
 

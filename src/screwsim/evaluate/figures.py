@@ -9,7 +9,7 @@ import numpy as np
 from screwsim.build import build_site
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import flow_past_suction_port, outflow_dissolved_gas, outflow_of, streams_of
-from screwsim.cycle.cycle_figures import CycleFigures, oil_lift
+from screwsim.cycle.cycle_figures import CycleFigures, kept_in_oil, oil_lift
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import SUCTION, Drawn, Given, Plenum, Separator, Turn
 from screwsim.evaluate import humidity, performance
@@ -147,7 +147,8 @@ def _of_expander(
     work = problem.parts.gas.isentropic_work_of_enthalpy  # of what own plenums add; negative for what expands (M101)
     power = own + sum(net * work(state.p, problem.lines.p_d, state.h) for net, state in drawn)
     if problem.parts.oil is not None:
-        power += known.oil_volume_flow * (problem.lines.p_d - problem.lines.p_s)  # (M491)
+        brought = known.oil_volume_flow * (problem.lines.p_s - problem.lines.p_d)
+        power -= brought - kept_in_oil(problem.parts, known)  # less what the shaft's own pump gave it (M491)
     return performance.figures_of_expander(found, power, filled)
 
 
@@ -207,6 +208,8 @@ def _condenser_heat(problem: Problem, circuit: Circuit | str | None, leaving: fl
         return performance.NONE_LEAVES
     h = leaving
     if isinstance(circuit, Circuit) and parted:
+        if circuit.parted.why:
+            return circuit.parted.why
         h = problem.parts.gas.enthalpy(problem.lines.p_d, circuit.parted.T_separator)
     return effect + h - problem.inlet.enthalpy
 

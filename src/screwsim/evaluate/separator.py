@@ -10,7 +10,7 @@ import numpy as np
 
 from screwsim.build import open_temperatures, package_of, separator_effects
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import streams_of, walls_of
+from screwsim.cycle.balances import incoming_oil, injection_pressure, streams_of, walls_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import OilSolution, PowerLoss
 from screwsim.effects.base import Separator as SeparatorPart
@@ -111,7 +111,8 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     absorbed = sum(float(gas[2 * i] + gas[2 * i + 1]) for i in flashing)
     taken_up = sum(beyond[2 * i] + beyond[2 * i + 1] for i in flashing)
     if c.carried:
-        T_in = oil.temperature + problem.oil_pressure_term(max(oil.source_pressure, float(life.R[slots.R_PRESSURE])))
+        p_in = max(oil.source_pressure, injection_pressure(problem, life.R))
+        T_in = oil.temperature + problem.oil_pressure_term(p_in)
         T_in = float(c.P[oil_places(parts)["P_H_PORT"]]) if c.ported else T_in
 
         def heat(oil_heat: Any, oil_flow: Any) -> float:
@@ -143,7 +144,7 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
         p=problem.lines.p_d,
         gas_flow=out - returned - absorbed,
         h_ref=h_ref,
-        oil_flow=rate * float(streams_of(c, q)[slots.PORT_OIL, slots.OF_OIL] if c.ported else life.R[slots.R_INJECTED]),
+        oil_flow=rate * incoming_oil(problem, life.R, q),
         oil_heat_capacity=oil.heat_capacity,
         T_supply=oil.temperature,
         T_inlet=problem.lines.T_s,

@@ -146,6 +146,13 @@ def has_rotors(scene: Scene) -> bool:
     return machine.kind == TWIN_SCREW and not machine.expands and twin_screw(machine).volume.from_rotors
 
 
+def check_rotors(scene: Scene, option: str) -> None:
+    """Raise UsageError where an option of forces and surfaces is given and the scene has no rotors for them."""
+    if option and not has_rotors(scene):
+        what = "applies to forces and surfaces of rotors with a profile, of a compressor"
+        raise UsageError(f"{option}: {what} (state machine.volume.law: profile, or leave it out: flows are written)")
+
+
 def protect_other_loads(folder: Path) -> None:
     """Raise UsageError where a folder holds other files under the names of curves, spectra or the whole document."""
     for group in ("flows", "forces"):

@@ -78,6 +78,13 @@ def _oil_with_gas(scene: Scene) -> Iterator[Fault]:
             yield Fault(f"oil_supply.{name}", f"needs machine.mode: compressor ({comes}: write ratio, e.g. ratio: 3)")
     if scene.oil is not None and not scene.oil.carried:
         yield Fault("oil.transport", f"needs machine.mode: compressor ({comes}: write transport: carried)")
+    cooling, pumps = _cooling(scene), having(PUMPS)
+    if cooling is not None and not any(pump.removeprefix("effects.") in scene.effects for pump in pumps):
+        what = f"lies behind an expander's outlet, and nothing lifts its oil to the inlet (name {' or '.join(pumps)})"
+        yield Fault(f"effects.{cooling[0]}", what)
+    if cooling is not None and supply.from_sump:
+        what = f"effects.{cooling[0]}, from which the oil comes, lies behind an expander's outlet"
+        yield Fault("oil_supply.source", f"{what} (write source: separator)")
 
 
 def oil_faults(scene: Scene) -> Iterator[Fault]:

@@ -74,8 +74,10 @@ def estimated_errors(
     among_leaks = not told and request.filling < LEAKY_BELOW  # leaks dominate: errors pass from turn to turn
     whole = WHOLE * ((LEAKY_FACTOR if request.filling > 0.0 else NO_DELIVERY_FACTOR) if among_leaks else 1.0)
     left = cycle.left if len(finer.figures) == 1 else 0.0  # a second life shows it
+    flows = {name for name, about in found.about.items() if about.by_flow}  # of which a corrected life shows nothing
     for name, size in errors.items():
-        errors[name] = whole * size + left if size is not None else None
+        if size is not None:
+            errors[name] = whole * size + (left if size > 0.0 or name in flows else 0.0)
     lost_flow = {"by_flow": whole * finer.flow} if finer.flow else {}
     if request.hidden and request.filling > 0.0:
         lost_flow["by_flow"] = LEAST_DELIVERY_ERROR * (errors.get("trapped_mass") or 0.0) / request.filling

@@ -1,26 +1,28 @@
-"""A dry screw expander with a generator."""
+"""A screw expander with a generator, dry or with oil that comes in with the gas."""
 
 import math
 
 import numpy as np
 
 from screwsim.fluid import constants
+from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import in_celsius
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.gas import RPM, Duty, common_values, gas_duty, motor_values
-from screwsim.template.request import SceneRequest, refuse_option
+from screwsim.template.refrigeration import STAND_IN, substitute_properties
+from screwsim.template.request import SceneRequest
 
 DRY_CLEARANCE = 80e-6  # [m], clearances of dry rotors of 160 mm: two to four times those of flooded ones, assumed
 DRYNESS_FACTOR = 1.3  # of the outlet's pressure: estimate of how much drier an ideal gas is than a real one
 PRESSURES = 8  # on the way down at which the gas is asked whether it condenses
 INLET = "20/7 bar"  # condition that is the default
+OIL_ROOM = 0.02  # of the gas at the inlet, which its oil takes up: assumed
 
 
 def expander(asked: SceneRequest) -> str:
-    """Return the scene of a dry screw expander with a generator."""
-    refuse_option("--oil", asked.oil, "expanders are dry here (remove it)")
+    """Return the scene of a screw expander with a generator; dry, unless an oil is named."""
     fluid, flow, speed = asked.fluid or "R134a", asked.flow or 375.0 / 3600.0, asked.speed or 2950.0 * RPM
     size, duty = texts.sized(flow, speed), gas_duty(asked, fluid, INLET, "100 degC", expands=True)
     ratio = asked.ratio or sizes.matching(duty.ratio, duty.k, 1.0)
@@ -34,9 +36,34 @@ def expander(asked: SceneRequest) -> str:
         "machine": common["machine"].replace("kind: twin_screw\n", "kind: twin_screw\n  mode: expander\n"),
         "fluid": fluid,
         "two_phase": _two_phase(asked, fluid, duty, lowest),
-        "gap": sizes.um(DRY_CLEARANCE * size.clearance),
     }
-    return texts.filled("expander", values)
+    if asked.oil is None:
+        return texts.filled("expander", {**values, "gap": sizes.um(DRY_CLEARANCE * size.clearance)})
+    return texts.filled("flooded_expander", {**values, **_ports(fluid, duty, size), **_oil(asked.oil, fluid, duty)})
+
+
+def _ports(fluid: str, duty: Duty, size: sizes.Size) -> dict[str, str]:
+    """Return ports and gaps; a substitute's viscosity slows a gas of which CoolProp has none."""
+    substitute = substitute_properties(fluid, duty.at.high, duty.T)
+    if substitute is None:
+        return {"ports": texts.ports(size)}
+    told = f"  # CoolProp has no viscosity of {fluid}: that in the gaps is {STAND_IN}'s.\n"
+    return {"ports": told + texts.ports(size, f",\n    gas_viscosity: {1e3 * substitute[1]:.3g} mPa s")}
+
+
+def _oil(name: str, fluid: str, duty: Duty) -> dict[str, str]:
+    """Return the entries on the oil: as warm as the gas at the inlet, as far as its data reach.
+
+    Raise UsageError where the gas would condense on it.
+    """
+    warmest = OILS[name].high
+    T, text = min((duty.T, duty.temperature), (warmest, f"{warmest - ZERO_CELSIUS:g} degC"))
+    dew = constants.liquid_below(fluid, duty.at.low, T)
+    if dew is not None:
+        what = f"the data of {name} end at {text}, and {fluid} condenses on it below {in_celsius(dew)}"
+        raise UsageError(f"--oil {name}: {what} (choose a lower inlet pressure, or leave the oil out)")
+    ratio = OIL_ROOM * OILS[name].density_at(T) / duty.density
+    return {"oil": name, "oil_ratio": f"{ratio:.2g}", "oil_temperature": text}
 
 
 def expansion_work(pressures: float, k: float, ratio: float) -> float:

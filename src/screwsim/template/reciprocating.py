@@ -173,9 +173,9 @@ def _drive(fluid: str, efficiency: str) -> dict[str, str]:
     """Return the efficiency of the motor, what cools it, and where its heat goes."""
     if not duties.motor_in_gas(fluid):
         told = "Open drive, as the gas attacks copper"
-        return {"efficiency": efficiency, "drive": told, "suction_line": ""}
+        return {"efficiency": efficiency, "stands": told, "backflow": ""}
     told = "Semi-hermetic: the suction gas cools the motor"
-    return {"efficiency": f"{efficiency}, cooling: suction_gas", "drive": told, "suction_line": "  suction_line: {}\n"}
+    return {"efficiency": f"{efficiency}, cooling: suction_gas", "stands": told, "backflow": "  suction_line: {}\n"}
 
 
 def _reed(side: str, valve: valves.Valve, piston: float, speed: float) -> str:

@@ -85,7 +85,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
     ratio, separator = _oil_and_separator(fluid, duty, oil, asked.ratio or usual, leaky, in_gas)
     cooled, drop = "discharge_temperature:" in separator.partition("#")[0], duty.p_d - duty.p_s
     bore = sizes.bore(ratio * duty.gas_flow, OILS[oil].density_at(BORE_OIL_TEMPERATURE), drop)
-    substitute = _substitute_properties(fluid, duty)
+    substitute = substitute_properties(fluid, *_reference(duty))
     viscosity = "" if substitute is None else f",\n    gas_viscosity: {1e3 * substitute[1]:.3g} mPa s"
     values = {
         **conditions(duty),
@@ -213,9 +213,8 @@ def _reference(duty: Duty) -> tuple[float, float]:
     return math.sqrt(duty.p_s * duty.p_d), 0.5 * (duty.T_e + duty.more + duty.T_c + 20.0)
 
 
-def _substitute_properties(fluid: str, duty: Duty) -> tuple[float, float, float] | None:
+def substitute_properties(fluid: str, p: float, T: float) -> tuple[float, float, float] | None:
     """Return conductivity, viscosity and Prandtl number of a substitute gas; None where CoolProp has the fluid's."""
-    p, T = _reference(duty)
     try:
         transport(fluid, p, T)
         transport(fluid, 1e4, 400.0)

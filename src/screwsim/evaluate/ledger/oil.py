@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.cycle.cycle_figures import oil_lift
-from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilGas, OilSolution, PowerLoss, Pulsation, Separator
+from screwsim.cycle.cycle_figures import kept_in_oil, oil_lift
+from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilGas, OilSolution, Pulsation, Separator
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger.book import (
     NOT_CONSERVED,
@@ -61,7 +61,7 @@ def oil_rise(cycle: LedgerCycle, sums: OilSums, heats: Array, suction: State) ->
     for name, row in zip(c.heats, heats, strict=True):
         cycle.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
     lift = oil_lift(cycle.parts, known)
-    kept = sum(float(one.kept(known)) for _, one in cycle.parts.all(PowerLoss) if one.kept is not None)  # as pressure
+    kept = kept_in_oil(cycle.parts, known)
     cycle.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + kept)
     for name, part in cycle.parts.all(Pulsation):
         if part.to == DISCHARGE and not cycle.parts.oil_room:  # loss of the oil on its way to the line (M187)

@@ -282,6 +282,8 @@ def oil_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) -> L
         heat = "what warms it again" if scene.machine.expands else "the duty of its cooler"
         where = "" if scene.machine.expands else " (effects.separator)"
         yield "oil", f"{text}; {heat} is not simulated{where}"
+    elif duty < 0.0:
+        yield "oil", f"{text}; {-factor * duty:.1f} {unit} warm it again"
     else:
         yield "oil", f"{text}; its cooler takes {factor * duty:.1f} {unit}" if cooled else f"{text}; no cooler"
 
