@@ -94,7 +94,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
         "jet": f"{1e-5 * drop:.2g} bar",
         "transport": _transport(fluid, duty, substitute),
         **texts.machine(size, asked, usual, duty.p_d / duty.p_s),
-        "ports": texts.ports(size, viscosity),
+        "ports": texts.ports(size, viscosity) + texts.shafts(size, viscosity),
         "rests": _evidence_comments(fluid),
         "made": _sizing_comment(asked, plant),
         "what": plant.what,

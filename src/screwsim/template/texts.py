@@ -78,16 +78,20 @@ def _size(size: sizes.Size, by_diameter: bool) -> str:
 
 
 def ports(size: sizes.Size, viscosity: str = "") -> str:
-    """Return ports, gaps and shafts of a flooded machine; `viscosity` is the entry for that of its gas."""
+    """Return ports and gaps of a flooded machine; `viscosity` is the entry for that of its gas."""
+    lands = {name: sizes.mm(depth * size.scale, 2) for name, depth in sizes.LAND_LENGTHS.items()}
+    return filled("ports", {"gap": sizes.um(sizes.GAP * size.clearance), "viscosity": viscosity, **lands})
+
+
+def shafts(size: sizes.Size, viscosity: str = "") -> str:
+    """Return the leak past the shafts of a flooded compressor; `viscosity` as for its gaps."""
     values = {
-        "gap": sizes.um(sizes.GAP * size.clearance),
         "shaft": sizes.mm(sizes.SHAFT_DIAMETER * size.scale),
-        "shaft_clearance": sizes.um(sizes.SHAFT_CLEARANCE * size.clearance),
-        "shaft_passage": sizes.mm(sizes.SHAFT_PASSAGE * size.scale, 2),
+        "clearance": sizes.um(sizes.SHAFT_CLEARANCE * size.clearance),
+        "passage": sizes.mm(sizes.SHAFT_PASSAGE * size.scale, 2),
         "viscosity": viscosity,
-        **{name: sizes.mm(depth * size.scale, 2) for name, depth in sizes.LAND_LENGTHS.items()},
     }
-    return filled("ports", values)
+    return filled("shafts", values)
 
 
 def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None) -> str:
@@ -102,7 +106,7 @@ def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None) ->
         kept = BOUNDED_COOLER.format(room=room, basis=basis)
         conductance = f", conductance: {1e-3 * cooler.conductance:.2g} kW/K"
     values = {
-        "ports": ports(size),
+        "ports": ports(size) + shafts(size),
         "leaves": f"{leaves - ZERO_CELSIUS:.0f} degC",
         "kept": kept,
         "conductance": conductance,
