@@ -28,9 +28,10 @@ ABOUT = (
     "within 4 points at all speeds. λ it has but where the discharge reed closes late: at the highest pressure ratio a "
     "quarter of the gas flows back at 40 Hz and an eighth at 87 Hz, none at 25 and 50 Hz, and of such a course the "
     "source shows nothing. The new cylinders do the same at single speeds (up to 16 points of λ). A reed of one mass, "
-    "hardly damped (ζ = 0.1, assumed), is too sharp at speeds for which it was not sized; ζ of 0.2 and 0.3 moved such "
-    "points to other speeds, and the scatter of λ from 4.3 to 2.0 points for the machine of 13.4 m³/h but from 1.7 to "
-    "2.8 and 2.4 to 3.4 for the two others, so it stayed."
+    "hardly damped (ζ = 0.1, assumed), is too sharp at speeds for which it was not sized. With ζ = 0.2 the differences "
+    "of λ over all ratings spread by 2.3, 4.2 and 3.0 instead of 3.3, 5.2 and 3.6 points (machines of 13.4, 18.1 and "
+    "32.5 m³/h; new.py prints it): late closings move to other speeds and become fewer, but stay, so that what is "
+    "missing is rather a reed of more than one mass, or gas that cushions it; ζ stays as assumed."
 )
 MODEL, CONDITION = "4CE-6.F1", "-10/45"
 LAMBDA = "volumetric_efficiency"

@@ -3,13 +3,15 @@
     python validation/varispeed/new.py
 
 Prints the mean difference of λ of the machines of others.csv over the clearance, each machine counting alike, and where
-it is zero: the clearance of src/screwsim/template/reciprocating.py.
+it is zero: the clearance of src/screwsim/template/reciprocating.py; then the spread of these differences over all
+speeds with other damping of the reeds, of the third machine as well.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from statistics import pstdev
 from typing import Any
 
 from screwsim.scene import Scene, loads, value_at, with_values
@@ -69,6 +71,17 @@ def mean_difference(share: float) -> float:
     return sum(means) / len(means)
 
 
+def spread(model: str, ratings: Sequence[Any], damping: float) -> float:
+    """Return the standard deviation [points] of ours less theirs of λ over all ratings of a machine."""
+    scene = with_values(new(model, ratings[0].displacement), {"effects.reed_valves.damping_ratio": damping})
+    found = shown.found(scene, ratings)
+    return 100.0 * pstdev(each.ours["volumetric_efficiency"] - each.theirs("volumetric_efficiency") for each in found)
+
+
 if __name__ == "__main__":
     for share in SHARES:
         print(f"clearance {share:g} %: λ {mean_difference(share):+.2f} points")
+    every = others() | by_model(shown.rated.ratings(HERE, points.POLES))
+    for damping in (0.1, 0.2, 0.3):
+        told = ", ".join(f"{model} {spread(model, ratings, damping):.1f}" for model, ratings in every.items())
+        print(f"damping ratio {damping:g}: spread of λ {told} points")
