@@ -222,6 +222,15 @@ def test_coupled_chambers_have_the_same_figures_and_losses_that_need_no_heat_hav
     assert cold.oil_ratio == 0.5 and cold.oil_pump_power > 0.0
 
 
+def test_oil_that_a_gap_drags_into_a_chamber_of_an_expander_replaces_none_of_the_inlets():
+    """Only a compressor injects less, and says so, where leaks bring a chamber more oil than the ratio asks for."""
+    film = "effects.tip_leakage={model: oil_film, filled_from: 0.3, passage: 2 mm}"
+    result = simulate(load(OIL, [film]), trace=False)
+    assert result.performance.oil_ratio > 0.5 + 1e-4
+    assert result.performance.oil_flow_ratio == pytest.approx(0.5, rel=0.02)
+    assert [text for text in result.warnings if "no oil is injected" in text] == []
+
+
 def test_an_expander_without_oil_in_its_gas_is_dry():
     dry = run_of(OIL, "oil_supply.ratio=0")
     other = run_of(POINT, "machine.volume.min=3 cm^3")

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.figures.engineering import shown_name
 from screwsim.outputs import Result
 from screwsim.outputs.customary import RPM, with_printed_units
 from screwsim.scene import Scene
@@ -132,11 +133,12 @@ def _tables(rated: ChainRating, heating: bool) -> Iterator[Table]:
     more = refrigeration_sheet.heating_columns(rated) if heating else ()
     yield from tables.tables_of(rated, (*columns, *more))
     yield from tables.envelope_table(rated)
-    what = "cooling capacity" if refrigerates(rated.asked.chain) else "mass flow"
+    what = shown_name(rated.asked.aim.load).removeprefix("gas ")
     note = f"load: {what} relative to that at {own}; setting: share of the speeds of both stages"
     between = in_units(INTERMEDIATE_COLUMN, units)
     discharge = (f"discharge {units.degree}", Column(DISCHARGES[1], "", 1.0, 1, True, units))
-    yield from tables.part_load_table(rated, columns, ((between.title, between), discharge), note)
+    main = refrigeration_sheet.part_load_columns(rated, columns)
+    yield from tables.part_load_table(rated, main, ((between.title, between), discharge), note)
     yield from _intermediate_table(rated, columns)
 
 
@@ -214,7 +216,7 @@ def each_stage_table(found: ChainResult, title: str, units: Units = METRIC) -> I
         return
     figures = [each.performance for each in found.stages]
     loads = [_motor_load(scene, each) for scene, each in zip(found.scenes, found.stages, strict=True)]
-    rows = [["speed [rpm]", *(f"{scene.operation.speed / RPM:.0f}" for scene in found.scenes)]]
+    rows = [["speed [rpm]", *(f"{tables.rotor_speed(each) / RPM:.0f}" for each in figures)]]
     for column in (in_units(each, units) for each in EACH_STAGE):
         if any(column.figure in each for each in figures):
             rows.append([column.title, *(column.cell(each) for each in figures)])
@@ -274,7 +276,7 @@ def swept_line(found: ChainResult, units: Units = METRIC) -> Lines:
     """Yield the swept volume and the speed of each stage."""
     if len(found.scenes) == len(found.stages) and found.stages:
         swept = (units.quantity("m3 s-1", each.performance["displacement_flow"]) for each in found.stages)
-        speeds = (f"{scene.operation.speed / RPM:.4g} rpm" for scene in found.scenes)
+        speeds = (f"{tables.rotor_speed(each.performance) / RPM:.4g} rpm" for each in found.stages)
         parts = zip(STAGE_NAMES, swept, speeds, strict=True)
         yield "stages", ", ".join(f"{name} {volume} swept at {speed}" for name, volume, speed in parts)
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from screwsim.figures.engineering import shown_name
+from screwsim.machine.settings import TURN
 from screwsim.outputs import Result
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
@@ -19,7 +20,7 @@ from screwsim.study.datasheet.columns import NONE, Column
 from screwsim.study.datasheet.rated import Axis, Rating
 from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.part_load import REFRIGERATION, SPEED_PATH, LoadStep, PartLoad
+from screwsim.study.part_load import GAS, SPEED_PATH, LoadStep, PartLoad
 
 BLANK, MARK = "\u00a0", "*"
 DUTY = "oil_cooler_duty"
@@ -65,7 +66,7 @@ def power_in_words(columns: Sequence[Column]) -> str:
 
 def main_heads(rated: Rating, columns: Sequence[Column]) -> list[tuple[str, Column]]:
     """Return the heads of the three main columns of a sheet: capacity or flow, power, COP or efficiency."""
-    what, best = ("capacity", "COP") if rated.asked.aim == REFRIGERATION else ("flow", "η_s %")
+    what, best = ("flow", "η_s %") if rated.asked.aim == GAS else ("capacity", "COP")
     first, power = f"{what} {columns[0].unit}", f"{columns[1].title.split()[0].lower()} {columns[1].unit}"
     return list(zip((first, power, best), columns, strict=False))
 
@@ -227,6 +228,7 @@ def document_of(rated: Rating, names: Sequence[str], own: str) -> dict[str, Any]
         "envelope": [
             {first: each.at, second: [each.low, each.high], "ends": [*each.ends_in_words()]} for each in rated.reach
         ],
+        "part_load_of": asked.aim.load,
         "part_load": [_control(load, names) for load in rated.loads],
         **lives_document(*points_within_limits(rated, own)),
         "warnings": list(dict.fromkeys(text for result in every for text in result.warnings)),
@@ -252,9 +254,14 @@ def _best_ratio(step: LoadStep, names: Sequence[str]) -> dict[str, Any]:
 
 def machine_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) -> Lines:
     """Yield the displacement of the machine, and its speed."""
-    speed = shown_value(scene, "operation.speed", scene.operation.speed)
     if found:
+        speed = shown_value(scene, SPEED_PATH, rotor_speed(found))
         yield "machine", f"{units.quantity('m3 s-1', found['displacement_flow'])} swept at {speed}"
+
+
+def rotor_speed(found: Mapping[str, Any]) -> float:
+    """Return the speed [rad/s] at which a machine's figures hold, where its motor's line determines it, too (M214)."""
+    return TURN * float(found["displacement_flow"]) / float(found["displacement"])
 
 
 def power_lines(scene: Scene, found: Mapping[str, Any], units: Units = METRIC, gives: bool = False) -> Lines:
