@@ -30,7 +30,7 @@ ABOUT = (
     "source shows nothing. The new cylinders do the same at single speeds (up to 16 points of λ). A reed of one mass, "
     "hardly damped (ζ = 0.1, assumed), is too sharp at speeds for which it was not sized. With ζ = 0.2 the differences "
     "of λ over all ratings spread by 2.3, 4.2 and 3.0 instead of 3.3, 5.2 and 3.6 points (machines of 13.4, 18.1 and "
-    "32.5 m³/h; new.py prints it): late closings move to other speeds and become fewer, but stay, so that what is "
+    "32.5 m³/h; new.py prints it): late closings move to other speeds, but stay, so that what is "
     "missing is rather a reed of more than one mass, or gas that cushions it; ζ stays as assumed."
 )
 MODEL, CONDITION = "4CE-6.F1", "-10/45"
