@@ -245,6 +245,26 @@ def test_the_cylinder_for_carbon_dioxide_is_the_one_of_the_shipped_scene():
     assert own.effects["ring_leakage"].parameters.gap == pytest.approx(ring, rel=1e-2)
 
 
+@pytest.mark.parametrize(("fluid", "inside"), [("R404A", True), ("CO2", True), ("Ammonia", False)])
+def test_the_suction_gas_of_a_new_cylinder_cools_its_motor_except_on_ammonia(fluid, inside):
+    scene = scene_of("reciprocating", fluid=fluid, condition="-10/20 degC, 10 K")
+    assert ("suction_line" in scene.effects) is inside
+    assert scene.effects["motor"].parameters.cooling == ("suction_gas" if inside else "ambient")
+    if inside:  # warmed gas fills a cylinder less
+        apart = scene.with_({"effects.motor.cooling": "ambient"})
+        found = [screwsim.simulate(each, trace=False).performance.volumetric_efficiency for each in (scene, apart)]
+        assert found[0] < found[1] - 0.01
+
+
+def test_the_shafts_of_all_new_flooded_screws_leak_by_one_law_of_their_size():
+    kinds = ("refrigeration", "heat_pump", "air", "booster")
+    shafts = [scene_of(kind, displacement="600 m^3/h").effects["shaft_leakage"].parameters for kind in kinds]
+    assert {each.model for each in shafts} == {"oil_sealed"}
+    assert len({(each.shaft_diameter, each.clearance, each.passage) for each in shafts}) == 1
+    twice = scene_of("refrigeration", displacement="4800 m^3/h").effects["shaft_leakage"].parameters  # in lengths
+    assert twice.clearance == pytest.approx(2.0 * shafts[0].clearance, rel=0.01)
+
+
 def test_a_motor_takes_what_a_built_in_ratio_costs_that_the_pressures_do_not_call_for():
     """R22 from 41 to 68 °C with 2.98 in place of 1.8, and an economizer's gas: 1.4 of the motor's power before."""
     asked = request_of(fluid="R22", displacement="4637 m^3/h", vi=2.98, condition="41/68 degC, 0 K", economizer=True)

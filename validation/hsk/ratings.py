@@ -72,9 +72,9 @@ def rating(row: Mapping[str, str], poles: int = 2) -> Rating:
     )
 
 
-def ratings(here: Path, poles: int = 2) -> list[Rating]:
-    """Return all ratings of a folder."""
-    return [rating(row, poles) for row in read_table(here / "points.csv")]
+def ratings(here: Path, poles: int = 2, file: str = "points.csv") -> list[Rating]:
+    """Return all ratings of a folder's file."""
+    return [rating(row, poles) for row in read_table(here / file)]
 
 
 def write_fit(here: Path, own: Sequence[Rating], fitted: Sequence[str], comment: str) -> None:

@@ -19,6 +19,7 @@ SUPERHEATS = 10.0, 15.0, 20.0, 25.0, 30.0, 40.0  # [K] of which the first that k
 UNUSUAL_SUPERHEATS = 50.0, 60.0, 80.0, 100.0  # [K] proposed where none of those suffices
 DRY = 5e3  # [J/kg] least enthalpy above the dew point that the compressed gas has by default: some 5 K
 
+COPPER_CORROSIVES = ("ammonia", "r717", "nh3")  # their motors stand outside the gas
 CARBON_DIOXIDE = ("carbondioxide", "co2", "r744")
 WARMEST_OUTLET = 333.15  # [K] at the outlet of the gas cooler, to which the correlation was fitted
 FITTED_EVAPORATION = 263.15, 293.15  # [K] evaporation, likewise
@@ -126,6 +127,11 @@ def conditions(duty: Duty) -> dict[str, str]:
         "superheat": duty.superheat,
         "subcooling": f"{min(5.0, 0.5 * (duty.liquid - duty.T_e)):.4g} K",
     }
+
+
+def motor_in_gas(fluid: str) -> bool:
+    """Return whether a machine on a fluid is semi-hermetic, so that its suction gas cools the motor."""
+    return fluid.lower() not in COPPER_CORROSIVES
 
 
 def is_carbon_dioxide(fluid: str) -> bool:

@@ -13,7 +13,7 @@ from screwsim.outputs.customary import RPM, in_celsius
 from screwsim.scene import loads
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
-from screwsim.template.duty import EFFICIENCIES, Duty, conditions, duty_of
+from screwsim.template.duty import COPPER_CORROSIVES, EFFICIENCIES, Duty, conditions, duty_of, motor_in_gas
 from screwsim.template.request import SceneRequest
 
 OIL_COOLED_FROM = 350.0  # [K] after isentropic compression, from which the oil is cooled
@@ -37,7 +37,6 @@ ECONOMIZED_POWER_FACTOR = 1.12
 # ratio of the axial port beside a slide valve, or the machine's, beyond which bores have no port: assumed
 LARGEST_BORE_PORT_RATIO = 5.0
 STAND_IN, COLDEST_STAND_IN = "R134a", 200.0  # [K] from which its transport properties are taken
-COPPER_CORROSIVES = ("ammonia", "r717", "nh3")
 # refrigerants of which the curves behind EFFICIENCIES are means
 CURVES = ("r134a", "propane", "r290", "n-propane", "r1234yf", "r1234ze(e)", "r1234zee", "r407c")
 OILS_FOR = {
@@ -82,7 +81,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
     size = texts.sized(flow, asked.speed or 2950.0 * RPM)
     usual = _usual_ratio(duty)
     oil = asked.oil or OILS_FOR.get(fluid.lower(), "POE_68")
-    leaky, in_gas = _leaky_efficiency(fluid, duty, size), fluid.lower() not in COPPER_CORROSIVES
+    leaky, in_gas = _leaky_efficiency(fluid, duty, size), motor_in_gas(fluid)
     ratio, separator = _oil_and_separator(fluid, duty, oil, asked.ratio or usual, leaky, in_gas)
     cooled, drop = "discharge_temperature:" in separator.partition("#")[0], duty.p_d - duty.p_s
     bore = sizes.bore(ratio * duty.gas_flow, OILS[oil].density_at(BORE_OIL_TEMPERATURE), drop)
@@ -95,7 +94,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
         "jet": f"{1e-5 * drop:.2g} bar",
         "transport": _transport(fluid, duty, substitute),
         **texts.machine(size, asked, usual, duty.p_d / duty.p_s),
-        "ports": texts.ports(size, viscosity),
+        "ports": texts.ports(size, viscosity) + texts.shafts(size, viscosity),
         "rests": _evidence_comments(fluid),
         "made": _sizing_comment(asked, plant),
         "what": plant.what,
@@ -105,7 +104,6 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
         "oil_ratio": f"{ratio:g}",
         "separator": separator,
         **_friction(asked.slide),
-        "shaft_area": sizes.area(sizes.SHAFTS * size.scale * size.clearance),
     }
     text = texts.filled("refrigeration", values)
     if asked.slide:
@@ -167,11 +165,11 @@ def _evidence_comments(fluid: str) -> str:
             "Those curves are a mean over five refrigerants including this one;\n"
             "# on R134a at 0/40 degC such machines of 100 to 3000 m^3/h lie within 4 points of their lambda and 6 of "
             "their eta_s.\n"
-            "# Single machines of one maker on R134a (validation/hsk) have a lambda up to 11 points higher at 84 to "
+            "# Single machines of one maker on R134a (validation/hsk) have a lambda up to 10 points higher at 84 to "
             "192 m^3/h\n"
-            "# and 50 Hz, 16 at lower speeds, and 2 to 6 lower at 535; their electrical efficiency is up to 8 lower at "
+            "# and 50 Hz, 15 at lower speeds, and 2 to 6 lower at 535; their electrical efficiency is up to 9 lower at "
             "50 Hz,\n"
-            "# 13 at 25. With `uncertainty: {model: screw_r134a}` added, a run on R134a states that beside both."
+            "# 14 at 25. With `uncertainty: {model: screw_r134a}` added, a run on R134a states that beside both."
         )
     return (
         f"On {fluid} lambda and eta_s rest on the laws and on that fit\n"
@@ -203,7 +201,7 @@ def _drive(fluid: str, power: float, stated: float | None) -> dict[str, str]:
     rated = sizes.motor_for(power) if stated is None else 1e-3 * stated
     told = "Semi-hermetic, in the suction gas, 92 % efficient as assumed by the source of validation/bitzer"
     motor = f"efficiency: {MOTOR_EFFICIENCY:g}, cooling: suction_gas"
-    if fluid.lower() in COPPER_CORROSIVES:
+    if not motor_in_gas(fluid):
         told = "Open drive, as ammonia attacks copper: IE3, four poles (IEC 60034-30-1)"
         motor = sizes.motor_efficiency(rated)
     motor = f"{{rated_power: {rated:g} kW, {motor}}}"

@@ -1,8 +1,9 @@
 """Scaling of new scenes' machines with size, from machines known to the program and stated sources.
 
-Rotors (b) of 160 mm were fitted to mean curves of compact screws (validation/bitzer): gaps of 26 um, 9.6 mm^2 past the
-shafts. Others are geometrically similar: clearances grow with the diameter, as assumed in validation/cagi and
-configs/air (discharge end faces of one maker grow faster: 0.05 mm at 160 mm, 0.095 at 250, MYCOM V series, manual).
+Rotors (b) of 160 mm were fitted to mean curves of compact screws (validation/bitzer): gaps of 26 um, and 9.6 mm^2 past
+the shafts as a nozzle, or 42 um sealed by oil, which the speeds of an air package call for (validation/cagi). Others
+are geometrically similar: clearances grow with the diameter, as assumed in validation/cagi and configs/air (discharge
+end faces of one maker grow faster: 0.05 mm at 160 mm, 0.095 at 250, MYCOM V series, manual).
 Rated machines of 98 to 129 mm leak even less (validation/hsk). Below these, where none is known, clearances follow the
 tolerance unit of ISO 286, i = 0.45 D^(1/3) + 0.001 D: they cannot be made ever finer.
 """
@@ -17,7 +18,8 @@ from screwsim.outputs.customary import RPM
 
 SMALLEST, LARGEST = 0.05, 0.55  # [m] diameters of manufactured rotors
 KNOWN_DIAMETER = 0.160  # [m] diameter of the fitted machine
-GAP, SHAFTS = 26e-6, 9.6e-6  # [m], [m^2]
+GAP = 26e-6  # [m]
+SHAFT_DIAMETER, SHAFT_CLEARANCE, SHAFT_PASSAGE = 70e-3, 42e-6, 10e-3  # [m] (validation/cagi/machine.yaml)
 SIMILAR_FROM = 0.098  # [m] diameter of the smallest rated machine that leaks no more than a similar one
 # [m] along the leak (validation/bitzer/machine.yaml)
 LAND_LENGTHS = {"tip": 2e-3, "interlobe": 5e-3, "end_face": 10e-3}

@@ -83,6 +83,17 @@ def ports(size: sizes.Size, viscosity: str = "") -> str:
     return filled("ports", {"gap": sizes.um(sizes.GAP * size.clearance), "viscosity": viscosity, **lands})
 
 
+def shafts(size: sizes.Size, viscosity: str = "") -> str:
+    """Return the leak past the shafts of a flooded compressor; `viscosity` as for its gaps."""
+    values = {
+        "shaft": sizes.mm(sizes.SHAFT_DIAMETER * size.scale),
+        "clearance": sizes.um(sizes.SHAFT_CLEARANCE * size.clearance),
+        "passage": sizes.mm(sizes.SHAFT_PASSAGE * size.scale, 2),
+        "viscosity": viscosity,
+    }
+    return filled("shafts", values)
+
+
 def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None) -> str:
     """Return the entries of a flooded gas machine with an outlet temperature [K]; sizes as in configs/air."""
     big = size.diameter / 0.240
@@ -95,14 +106,12 @@ def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None) ->
         kept = BOUNDED_COOLER.format(room=room, basis=basis)
         conductance = f", conductance: {1e-3 * cooler.conductance:.2g} kW/K"
     values = {
-        "ports": ports(size),
+        "ports": ports(size) + shafts(size),
         "leaves": f"{leaves - ZERO_CELSIUS:.0f} degC",
         "kept": kept,
         "conductance": conductance,
         "gap": sizes.um(sizes.GAP * size.clearance),
-        "shaft": sizes.mm(0.105 * big),
-        "shaft_clearance": sizes.um(42e-6 * size.clearance),
-        "shaft_passage": sizes.mm(0.015 * big, 2),
+        "shaft": sizes.mm(sizes.SHAFT_DIAMETER * size.scale),
         "bearing": sizes.mm(0.147 * big),
         "land": sizes.mm(0.003 * big, 2),
     }

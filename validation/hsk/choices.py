@@ -1,0 +1,103 @@
+"""What other numbers of new machines make of them beside the ratings up to 50 Hz, and beside the mean curves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from math import sqrt
+from pathlib import Path
+from typing import Any
+
+from screwsim.scene import Scene, value_at, with_values
+from screwsim.simulate import simulate
+from screwsim.study.validation import NotRun, Row, read_table
+
+SHAFTS, NOZZLE = "effects.shaft_leakage", 9.6e-6  # m² at 160 mm, of the fit to the mean curves
+SEALED = ("shaft_diameter", "clearance", "mixture_viscosity", "passage")
+GAPS = tuple(f"effects.{name}.gap" for name in ("tip_leakage", "interlobe_leakage", "end_face_leakage"))
+FITTED_GAP = 26e-6  # m at 160 mm
+FRICTION, OIL = "effects.mechanical.fraction", "oil_supply.ratio"
+MEAN_SIZES = ("100", "250", "600")  # m³/h of the machines that are put beside the mean curves
+MEAN_MOTOR = 0.92  # that the mean curves' source takes
+ZERO = 273.15
+Built = Callable[..., Scene]
+
+
+def as_nozzle(area: float) -> list[str]:
+    """Return the overrides that let shafts leak as a nozzle of an area [m²]."""
+    away = [f"{SHAFTS}.{name}=null" for name in SEALED]
+    return [*away, f"{SHAFTS}.model=nozzle", f"{SHAFTS}.area={1e6 * area:.9g} mm^2"]
+
+
+def scaled(scene: Scene, paths: Sequence[str], factor: float) -> Scene:
+    """Return a scene with some values times a factor."""
+    return with_values(scene, {path: factor * value_at(scene, path) for path in paths})
+
+
+def nozzle(built: Built, flow: str) -> Scene:
+    """Return a machine whose shafts leak as a nozzle, as its size squared."""
+    size = value_at(built(flow), GAPS[0]) / FITTED_GAP
+    return built(flow, as_nozzle(NOZZLE * size**2))
+
+
+CHOICES: Mapping[str, Callable[[Built, str], Scene]] = {
+    "as written": lambda built, flow: built(flow),
+    "shafts as a nozzle, 9.6 mm² at 160 mm": nozzle,
+    "clearances of the shafts times 0.8": lambda built, flow: scaled(built(flow), (f"{SHAFTS}.clearance",), 0.8),
+    "gaps times 0.7": lambda built, flow: scaled(built(flow), GAPS, 0.7),
+    "gaps times 0.7, friction 12 %": lambda built, flow: with_values(scaled(built(flow), GAPS, 0.7), {FRICTION: 0.12}),
+    "gaps times 0.7, 2 kg of oil per kg": lambda built, flow: with_values(scaled(built(flow), GAPS, 0.7), {OIL: 2.0}),
+}
+
+
+def figures(scene: Scene, values: Mapping[str, float]) -> tuple[float, float]:
+    """Return λ and electrical isentropic efficiency [%] at a condition."""
+    result = simulate(with_values(scene, dict(values)), trace=False)
+    if result.status != "ok":
+        raise NotRun(f"a tried machine: {result.told}")
+    own = result.performance
+    return 100.0 * own.volumetric_efficiency, 100.0 * own.electrical_isentropic_efficiency
+
+
+def at_mean_curves(here: Path) -> list[tuple[dict[str, float], float, float]]:
+    """Return conditions of the mean curves at 50 Hz, with λ and electrical isentropic efficiency [%]."""
+    found = []
+    for row in read_table(here.parent / "bitzer" / "conditions.csv"):
+        names = ("evaporating", "condensing")
+        values = {f"operation.{name}_temperature": float(row[f"{name}_degC"]) + ZERO for name in names}
+        shaft = MEAN_MOTOR * float(row["isentropic_efficiency"])
+        found.append((values, 100.0 * float(row["volumetric_efficiency"]), 100.0 * shaft))
+    return found
+
+
+def told(off: Sequence[tuple[float, float]]) -> str:
+    """Return the root mean squares of both figures' differences [points]."""
+    return "/".join(f"{sqrt(sum(each[figure] ** 2 for each in off) / len(off)):.1f}" for figure in (0, 1))
+
+
+def rows(here: Path, built: Built, by_model: Mapping[str, Sequence[Any]], full: float) -> Iterator[Row]:
+    """Yield the differences of each choice: by rated machine up to a full speed [Hz], then beside the curves."""
+    for name, choice in CHOICES.items():
+        parts = []
+        for ratings in by_model.values():
+            flow, off = ratings[0].displacement, []
+            scene = choice(built, flow)
+            for one in ratings:
+                if one.frequency <= full:
+                    ours = figures(scene, one.values)
+                    theirs = one.volumetric_efficiency, one.electrical_isentropic_efficiency
+                    off.append((ours[0] - 100.0 * theirs[0], ours[1] - 100.0 * theirs[1]))
+            parts.append(f"{flow}: {told(off)}")
+        for flow in MEAN_SIZES:
+            scene, off = choice(built, flow), []
+            for values, filled, work in at_mean_curves(here):
+                ours = figures(scene, values)
+                off.append((ours[0] - filled, ours[1] - work))
+            parts.append(f"curves at {flow}: {told(off)}")
+        yield Row(
+            f"tried: {name}: rms of λ/electrical η_s in points, by m³/h",
+            "; ".join(parts),
+            None,
+            "estimate",
+            "no verdict",
+            note="ratings up to 50 Hz; mean curves of validation/bitzer, with its motor of 92 %",
+        )
