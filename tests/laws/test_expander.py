@@ -211,6 +211,33 @@ def test_an_expander_without_oil_in_its_gas_is_dry():
         assert dry[name] == pytest.approx(other[name], rel=1e-4), name
 
 
+FILM = "effects.tip_leakage={model: oil_film, passage: 2 mm, filled_from: 0.2}"
+
+
+def test_oil_that_films_bring_back_takes_none_of_what_comes_with_the_gas():
+    """A chamber may hold more than the gas brings; a compressor's would then ask for no oil, which is warned of."""
+    result = simulate(load(OIL, [FILM]), trace=False)
+    assert result.status == "ok" and not result.warnings
+    p = result.performance
+    assert p.oil_ratio > 0.5 and p.oil_flow_ratio == pytest.approx(0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize("room", ["effects.oil_volume={}", "effects.oil_volume=off"])
+def test_moist_gas_and_oil_of_an_expander_part_at_the_temperature_of_their_mixture(room):
+    """M281 with next to no water: what bearings and shear heat is theirs, the pump's heat that of oil not yet there."""
+    c_oil, changes = 2100.0, [room, "gas={fluid: Air, model: ideal, relative_humidity: 0.001, dew_point_margin: 150 K}"]
+    changes += ["operation.suction={pressure: 8 bar, temperature: 60 degC}", "operation.discharge.pressure=2 bar"]
+    result = simulate(load(OIL, [*changes, "oil_supply.temperature=90 degC"]), trace=False)
+    p = result.performance
+    told = next(float(words.split()[5]) for words in result.warnings if words.startswith("gas and oil separate at "))
+    c_gas = PropsSI("CP0MASS", "P", 8e5, "T", 333.15, "Air")
+    gas, oil = p.gas_mass_flow * c_gas, p.oil_mass_flow * c_oil
+    heat = gas * p.discharge_temperature + oil * p.oil_discharge_temperature
+    mixed = (heat + p.hydromechanical_power + p.mechanical_power) / (gas + oil)
+    assert told == pytest.approx(mixed - 273.15, abs=0.15)
+    assert p.condensate_flow == 0.0 and abs(p.water_residual) < 3e-4
+
+
 def run_of(path, *overrides):
     """Return the figures of a scene that closes."""
     result = simulate(load(path, list(overrides)), trace=False)
@@ -271,7 +298,10 @@ REFUSED = {
     "oil_supply.kind: displacement needs machine.mode: compressor": "oil_supply={kind: displacement, ratio: null}",
     "oil_supply.flow: needs machine.mode: compressor": "oil_supply={flow: 40 L/min, ratio: null}",
     "oil.transport: needs machine.mode: compressor": "oil.transport=paper",
-    "effects.oil_injection: .*or to an expander without oil": "effects.oil_injection={opens: 9 deg, closes: 99 deg}",
+    "oil_supply.discharge_temperature: .*with its gas.*remove it.": "oil_supply.discharge_temperature=80 degC",
+    "oil_supply.temperature: is missing .write e.g. temperature: 325 K.$": "oil_supply.temperature=null",
+    "effects.oil_injection: applies only to .* compressor .rem": "effects.oil_injection={opens: 9 deg, closes: 99 deg}",
+    "effects.separator: applies only to machine.mode: compressor .remove it": "effects.separator={}",
     "effects.suction_line: applies only to": "effects.suction_line={}",
     "effects.plenums: applies only to": "effects.plenums={discharge_volume: 5 l}",
     "effects.slide_valve: applies only to machine.mode: compressor .remove it": "effects.slide_valve={}",
@@ -282,6 +312,12 @@ REFUSED = {
 def test_what_an_expander_with_oil_cannot_have_is_told(told, changed):
     with pytest.raises(SceneError, match=told):
         load(OIL, [changed])
+
+
+def test_a_way_of_oil_that_an_expander_lacks_is_not_asked_for_what_it_needs():
+    with pytest.raises(SceneError) as caught:
+        load(OIL, ["oil_supply={kind: displacement, ratio: null}", "effects.oil_pump=off"])
+    assert str(caught.value).count("\n") == 0 and "write kind: pump" in str(caught.value)
 
 
 def test_an_expander_needs_a_lower_discharge():

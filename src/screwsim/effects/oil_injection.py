@@ -156,5 +156,5 @@ EFFECT = Effect(
     check=check,
     check_geometry=CheckWithin(NAME),
     needs=frozenset({OIL}),
-    in_expander="dry",
+    in_expander="never",
 )

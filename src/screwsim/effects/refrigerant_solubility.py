@@ -298,5 +298,5 @@ EFFECT = Effect(
     needs=frozenset({OIL}),
     figures=FIGURES,
     roles={HELD[0]: ".flash_time"},
-    in_expander="dry",
+    in_expander="never",
 )

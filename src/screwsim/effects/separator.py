@@ -284,5 +284,5 @@ EFFECT = Effect(
     figures=FIGURES,
     warnings=warnings,
     usual={ROTORS: SEPARATOR},
-    in_expander="dry",
+    in_expander="never",
 )
