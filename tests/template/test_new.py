@@ -377,9 +377,11 @@ def test_the_oil_of_an_expander_takes_up_a_fiftieth_of_the_room_at_its_inlet(sta
     oil = p.oil_ratio / scene.oil.at(scene.oil_supply.temperature).density
     gas = 1.0 / PropsSI("D", "P", p.suction_pressure, "T", p.suction_temperature, scene.gas.name)
     assert 0.018 < oil / gas < 0.026
-    assert 0.9 < p.filling_factor < 1.0 and 0.7 < p.isentropic_efficiency < 1.0
+    assert 0.9 < p.filling_factor < 1.0
+    assert 0.7 < p.isentropic_efficiency < 1.1  # above 1 by the heat of the oil, which does not count (M491)
 
 
+@pytest.mark.slow
 def test_an_expander_lies_within_five_points_of_the_best_that_was_measured():
     """Of the power at its generator, 200 to 600 m³/h (validation/templates); the scene's first lines say 73 to 77 %."""
     row = comparison.measured(ROOT / "validation" / "templates")["hermetic"]
@@ -474,6 +476,10 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances_be
         (
             ["expander", "--oil", "PAO_46", "--fluid", "Water", "--condition", "6/1 bar, 170 degC"],
             "--oil PAO_46: the data of PAO_46 end at 150 degC, and Water condenses on it below 158.826 degC (choose a",
+        ),
+        (
+            ["expander", "--oil", "POE_68", "--fluid", "Air", "--condition", "8/1 bar, -30 degC"],
+            "--oil POE_68: its data begin at -20 degC, above the inlet's -30 degC (choose a warmer inlet, or leave",
         ),
         (
             ["air", "--diameter", "204 mm", "--displacement", "9 m^3/min"],
