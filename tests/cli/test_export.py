@@ -159,6 +159,15 @@ def test_polynomials_of_a_machine_without_these_temperatures_name_the_maps_it_ma
     assert answer.code == 2 and told in answer.err
 
 
+@pytest.mark.parametrize(
+    "given", [("--bearings", "40 mm,60 mm"), ("--shafts", "40 mm,60 mm"), ("--steps", "8")], ids=lambda given: given[0]
+)
+def test_an_option_of_rotors_is_refused_where_there_are_none_with_a_profile(command, folder, given):
+    answer = command("export", "loads", "small.yaml", "-o", "loads", *given)
+    assert (answer.code, answer.out) == (2, "") and not any(Path("loads").glob("*"))
+    assert answer.err.startswith(f"{given[0]}: applies to forces and surfaces of rotors with a profile")
+
+
 def test_loads_of_a_machine_without_profile_are_its_flows(command, folder):
     answer = command("export", "loads", "small.yaml", "-o", "loads")
     assert answer.code == 0 and "forces and surfaces need rotors with a profile" in answer.err

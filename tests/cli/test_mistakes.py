@@ -3,6 +3,8 @@
 import pytest
 from each_row import each_row
 
+from screwsim.cli import _parser
+from screwsim.cli.declare import Command
 from screwsim.outputs import Figures, Result
 from screwsim.scene import load
 from screwsim.study.asked.figures import figure_named, figure_of, figures_of
@@ -164,6 +166,30 @@ def test_mistaken_arguments_are_told_with_what_was_meant(folder, command, argume
     answer = command(*arguments)
     assert (answer.code, answer.out) == (2, "")
     assert answer.err.splitlines()[-1] == told
+
+
+@pytest.mark.parametrize(
+    ("arguments", "option"),
+    [
+        (("run", "small.yaml", "-o", "a.h5", "-o", "b.h5"), "-o"),
+        (("run", "small.yaml", "--set", "operation.speed=1 rpm", "-o", "a.h5", "-o=b.h5"), "-o"),
+        (("sweep", "swept.yaml", "--jobs", "1", "--jobs=2"), "--jobs"),
+        (("optimum", "small.yaml", "--path", "oil_supply.ratio", "--path", "operation.speed"), "--path"),
+        (("export", "fmu", "out.h5", "-o", "a", "-o", "a"), "-o"),
+    ],
+)
+def test_an_option_with_one_value_that_is_given_twice_is_refused(folder, command, arguments, option):
+    """The last one was taken."""
+    answer = command(*arguments)
+    told = f"{option}: is given twice, and takes one value (remove one)\n"
+    assert (answer.code, answer.out, answer.err) == (2, "", told)
+
+
+def test_every_command_refuses_an_option_given_twice():
+    group = _parser("")
+    inner = [each for one in group.commands.values() for each in getattr(one, "commands", {}).values()]
+    every = [each for each in (*group.commands.values(), *inner) if not hasattr(each, "commands")]
+    assert len(every) > 25 and all(isinstance(each, Command) for each in every)
 
 
 def test_a_command_that_is_none_is_told_with_those_there_are(folder, command):

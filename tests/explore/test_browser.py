@@ -95,6 +95,16 @@ def test_sixty_changes_of_a_slider_are_each_answered_in_order(seen):
     assert seen.page.get_attribute(SPEED, "aria-valuetext").split()[0] == speed.split()[0]
 
 
+@pytest.mark.parametrize("value", [1234.5678901234567, 1.2345678901234567e-05, -0.012345678901234567, 123456789.125])
+def test_a_long_number_is_shown_with_the_digits_that_fit_and_whole_in_its_title(seen, value):
+    seen.value(f"setTo(controlOf('operation.speed'), {value!r}), 0")
+    field = "byPath.get('operation.speed').field"
+    shown = seen.value(f"[{field}.value, {field}.title, {field}.scrollWidth <= {field}.clientWidth]")
+    assert float(shown[0]) == pytest.approx(value, rel=1e-3)
+    assert float(shown[1]) == value and shown[2]
+    assert float(seen.value("settings.set['operation.speed']").split()[0]) == value
+
+
 def test_the_drawn_loop_is_that_of_the_answer(seen):
     peak = seen.value("Math.max(...charts.loop.content.curves.at(-1).y)")
     assert peak == pytest.approx(simulate(load(PAPER)).cycle["pressure"].max() * 1e-5, rel=1e-6)  # float32

@@ -199,6 +199,13 @@ def test_a_cylinder_has_no_loads_of_ports():
         flows_of(*run_of(str(ROOT / "configs" / "slider_crank" / "air.yaml")))
 
 
+def test_chambers_pass_at_the_speed_that_a_motor_on_the_mains_reaches():
+    scene, result = run_of(str(ROOT / "configs" / "drive" / "induction.yaml"))
+    rotors = result.performance.mean_speed
+    assert rotors < 0.98 * scene.operation.speed  # the slip of the motor
+    assert exported.loads(scene, result).frequency == pytest.approx(4 * rotors / (2.0 * math.pi))
+
+
 def test_files_say_the_same(folder):
     document = json.loads((folder / "loads.json").read_text())
     assert document["lobe_frequency"] == pytest.approx(4 * 2950 / 60)

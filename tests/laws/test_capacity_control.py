@@ -158,6 +158,23 @@ def test_a_slide_at_full_load_without_a_radial_port_is_none():
     assert make({"effects.slide_valve": slide}).effects["slide_valve"].parameters.radial_area is None
 
 
+def test_the_built_in_volume_ratio_is_that_of_the_slides_edges():
+    """M162: of the volume where the slot closes, over that where the first of both discharge ports opens."""
+    from screwsim.machine.paper_law import volume
+
+    def ratio(closes, opens):
+        at = [volume(math.radians(angle), 600e-6, 6e-8, math.radians(60.0)) for angle in (closes, opens)]
+        return at[0] / at[1]
+
+    axial, radial = 600.0, {"radial_opens": "560 deg", "radial_opens_moved": "640 deg"}
+    for x in (0.0, 0.3, 0.6):  # the axial port is the first one at the last
+        found = run({"effects.slide_valve": {**SLIDE, **radial, "position": x}}).performance.built_in_volume_ratio
+        assert found == pytest.approx(ratio(360.0 + 200.0 * x, min(560.0 + 80.0 * x, axial)), rel=1e-6)
+    slot = {name: SLIDE[name] for name in ("slot_area", "closes")}
+    found = run({"effects.slide_valve": {**slot, "position": 0.3}}).performance.built_in_volume_ratio
+    assert found == pytest.approx(ratio(420.0, axial), rel=1e-6)
+
+
 def test_the_load_follows_the_slide():
     flows = [run({"effects.slide_valve": {**SLIDE, "position": x}}).performance.gas_mass_flow for x in (0, 0.3, 0.6, 1)]
     assert flows == sorted(flows, reverse=True)

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from screwsim.build import build_parts
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import laid_curves
 from screwsim.report.rotors_scene import table_files
@@ -60,13 +61,40 @@ def test_all_chambers_at_once_give_the_same_cycle(cycle):
 
 @pytest.mark.slow
 def test_tables_of_the_profile_give_the_same_cycle(cycle, tmp_path):
-    for name, text in table_files(ideal(), tmp_path).items():
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    tabled = simulate(load(tmp_path / "scene.yaml"))
+    found = simulate(tabled(ideal(), tmp_path))
     one_path = simulate(ideal(f"effects.interlobe_leakage.area_file={tmp_path / 'interlobe_leakage.csv'}"))
-    assert tabled.status == one_path.status == "ok"
-    assert difference(tabled, one_path) < 2 * ideal().numerics.accuracy  # either may be off by the accuracy
+    assert found.status == one_path.status == "ok"
+    assert difference(found, one_path) < 2 * ideal().numerics.accuracy  # either may be off by the accuracy
     assert one_path.performance["volumetric_efficiency"] > cycle.performance["volumetric_efficiency"]  # a path less
+
+
+def tabled(scene, folder):
+    """Return the scene that `screwsim rotors` writes of a scene, read again."""
+    for name, text in table_files(scene, folder).items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return load(folder / "scene.yaml")
+
+
+def test_tables_of_the_profile_hold_the_stated_blow_hole(tmp_path):
+    scene = ideal("effects.blow_hole.area=40 mm^2")  # the profile's own is 7.4 mm²
+
+    at = np.radians(np.arange(300.0, 800.0, 5.0))
+
+    def area(each):
+        curves = [path.tables["curve"] for path in build_parts(each).effects["blow_hole"]]
+        return np.sum([np.interp(at, curve[0], curve[1], left=0.0, right=0.0) for curve in curves], axis=0)
+
+    assert area(scene)[60] == pytest.approx(40e-6, rel=1e-3)  # at 600 degrees
+    np.testing.assert_allclose(area(tabled(scene, tmp_path)), area(scene), atol=1e-9)
+
+
+def test_tables_keep_the_lengths_that_effects_take_from_the_profile(tmp_path):
+    warm = "effects.thermal_clearances={rotor_temperature: 330 K, housing_temperature: 320 K}"
+    drag = "effects.oil_drag={tip_gap: 40 um, tip_land: 2 mm}"
+    scene = load(CONFIGS / "c.yaml", (*IDEAL, warm, drag))
+    found, profile = tabled(scene, tmp_path).effects, scene.machine.profile
+    assert found["oil_drag"].parameters.female_diameter == pytest.approx(profile.female_diameter)
+    assert found["thermal_clearances"].parameters.axis_distance == pytest.approx(profile.centre_distance)
 
 
 def test_an_idle_chamber_keeps_its_charge(cycle):

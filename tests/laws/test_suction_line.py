@@ -167,6 +167,16 @@ def test_the_mixture_of_a_real_gas_keeps_the_energy():
     assert 320.0 < T < 330.0
 
 
+@each_row("oil", [2e-4, 9e-5, 1e-6, 1e-9])
+def test_however_little_oil_comes_back_it_brings_its_heat(oil):
+    of = problem(REAL)
+    gas, c_o = of.parts.gas, of.parts.oil.heat_capacity
+    h = gas.enthalpy(1.5e5, 290.0)
+    found = mixed(of, Stream(1.0, h, oil, oil * 330.0), h)
+    T = gas.temperature(1.5e5, found.enthalpy)
+    assert found.enthalpy - h == pytest.approx(oil * c_o * (330.0 - T), rel=1e-6, abs=1e-7)  # rounding of h, 4e5 J/kg
+
+
 def test_oil_of_the_line_holds_what_is_in_equilibrium_with_the_gas():
     """Oil that held 0.1 at discharge gives most of it off at 1.5 bar; mass and energy stay, and μ/T of both is one."""
     of = problem({**SOLUBLE_RATE, **REAL})

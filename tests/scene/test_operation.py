@@ -171,7 +171,7 @@ EVAPORATING = "the evaporating temperature 2 degC"
         ),
         (
             ["operation.superheat=5 degC"],
-            "operation.superheat: '5 degC' is a temperature, not a difference (write kelvin, e.g. '10 K')",
+            "operation.superheat: '5 degC' is a temperature, not a difference (write K or delta_degF, e.g. '10 K')",
         ),
         (
             ["gas.fluid=R407C", "gas.two_phase=equilibrium", "gas.model=real"],

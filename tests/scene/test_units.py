@@ -82,21 +82,25 @@ def test_other_units_are_read_with_pint(kind, text, value):
         (
             "temperature_difference",
             "5 degC",
-            "'5 degC' is a temperature, not a difference (write kelvin, e.g. '10 K')",
+            "'5 degC' is a temperature, not a difference (write K or delta_degF, e.g. '10 K')",
         ),
         (
             "temperature_difference",
             "5 degreeC",
-            "'5 degreeC' is a temperature, not a difference (write kelvin, e.g. '10 K')",
+            "'5 degreeC' is a temperature, not a difference (write K or delta_degF, e.g. '10 K')",
         ),
         (
             "temperature_difference",
             "5 degree_Fahrenheit",
-            "'5 degree_Fahrenheit' is a temperature, not a difference (write kelvin, e.g. '10 K')",
+            "'5 degree_Fahrenheit' is a temperature, not a difference (write K or delta_degF, e.g. '10 K')",
         ),
         ("volume", "128 cm^3/turn", "'128 cm^3/turn' is not a volume (write e.g. '500 cm^3')"),
         ("volume_flow", "128 cm^3 rpm", "'128 cm^3 rpm' is not a volume flow (write e.g. '20 m^3/min')"),
-        ("temperature_difference", "5 C", "'5 C' is a temperature, not a difference (write kelvin, e.g. '10 K')"),
+        (
+            "temperature_difference",
+            "5 C",
+            "'5 C' is a temperature, not a difference (write K or delta_degF, e.g. '10 K')",
+        ),
         ("temperature", "50 F", "'50 F' is not a temperature (write '50 degF')"),
         (
             "speed",

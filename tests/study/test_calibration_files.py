@@ -272,7 +272,7 @@ def test_pressures_of_gauges_are_over_the_ambient_one_and_units_those_of_scenes(
             "_uncertainty [psig]",
             "points.csv:1:68: discharge_pressure_uncertainty: unit 'psig' has an offset zero",
         ),
-        ("_uncertainty [K]", "_uncertainty [degF]", "unit 'degF' has an offset zero, and this is an uncertainty"),
+        ("_uncertainty [K]", "_uncertainty [degF]", "unit 'degF' is a temperature, not a difference"),
         ("loss [bar]", "loss [barg]", "unit 'barg' has an offset zero, and this is a difference (write Pa)"),
         ("[psig]", "[psia]", "discharge_pressure: unit 'psia' is not known (write psi)"),
         ("[psig]", "[pond]", "discharge_pressure: unit 'pond' is not one of its units"),

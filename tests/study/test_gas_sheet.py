@@ -1,18 +1,21 @@
 """The data sheets of machines whose lines are stated by pressures: gas compressors and expanders."""
 
 import json
+import math
 from pathlib import Path
 
 import pytest
 
 import screwsim
 from screwsim.cli import exit_code
+from screwsim.outputs import Result
 from screwsim.scene import loads
 from screwsim.scene.operation import P_D, P_S
 from screwsim.study.asked.inputs import ends_of
+from screwsim.study.datasheet.air_rating import Point
 from screwsim.study.datasheet.gas_sheet import rating_request
 from screwsim.study.datasheet.rated import case_scene
-from screwsim.study.datasheet.tables import oil_line
+from screwsim.study.datasheet.tables import machine_line, oil_line
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.template import new_scene, request_of
 
@@ -214,7 +217,20 @@ def test_the_lower_end_of_a_range_has_the_unit_of_the_upper_one(text, both):
     assert ends_of(text) == both
 
 
+def test_the_speed_beside_the_swept_volume_is_the_one_that_a_motor_on_the_mains_reaches():
+    scene = screwsim.load(CONFIGS / "drive" / "induction.yaml")
+    found = screwsim.simulate(scene).performance
+    ((_, text),) = machine_line(scene, found)
+    assert text.endswith(f" swept at {found.mean_speed * 30.0 / math.pi:.5g} rpm")
+    point = Point(scene.operation.speed, Result("ok", performance=found))
+    assert point.rotor_speed == found.mean_speed < 0.98 * point.speed
+
+
 def test_an_expanders_oil_comes_from_a_pump_and_is_warmed_elsewhere():
-    scene = screwsim.load(CONFIGS / "expander" / "oil.yaml")
-    told = dict(oil_line(scene, {}))
-    assert told == {"oil": "from a pump at 95.0 °C; what warms it again is not simulated"}
+    for changes, warms in (
+        ([], "39.6 kW warm it again"),
+        (["effects.separator=off"], "what warms it again is not simulated"),
+    ):
+        scene = screwsim.load(CONFIGS / "expander" / "oil.yaml", changes)
+        (told,) = dict(oil_line(scene, screwsim.simulate(scene).performance)).values()
+        assert told.startswith("from a pump") and told.endswith(f"at 95.0 °C; {warms}")

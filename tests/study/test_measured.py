@@ -9,7 +9,7 @@ import pytest
 from each_row import each_row
 
 from screwsim.figures.errors import error_in_unit
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.printing.measured import print_measured
 from screwsim.scene import cross_check, leaf_of, load, with_values
 from screwsim.simulate import simulate
@@ -33,6 +33,15 @@ def scene(pytestconfig):
 @pytest.fixture(scope="module")
 def result(scene):
     return with_uncertainty(scene, simulate(scene, trace=False))
+
+
+def test_a_tolerance_in_a_unit_with_a_zero_has_one_message_in_a_scene_and_of_a_measured_figure(scene):
+    told = "the tolerance '2 degF' is a temperature, not a difference (write K or delta_degF, e.g. '10 K')"
+    with pytest.raises(SceneError) as in_scene:
+        load("configs/paper/point.yaml", ["operation.suction.temperature=68 degF ± 2 degF"])
+    with pytest.raises(UsageError) as of_figure:
+        read_measured(scene, ["discharge_temperature=176 degF ± 2 degF"])
+    assert str(in_scene.value).endswith(told) and str(of_figure.value).endswith(told)
 
 
 @each_row(
@@ -81,12 +90,18 @@ def test_a_gauge_reads_over_the_scenes_ambient_pressure(scene):
         (["shaft_power=12"], "has no unit (write one of W, kW, MW)"),
         (["shaft_power=12 bar ± 1 bar"], "has no unit 'bar'"),
         (["shaft_power=12 kW ± 1 bar"], "has no unit 'bar'"),
-        (["discharge_temperature=194 degF ± 2"], "an uncertainty is a difference (write kelvin, e.g. ± 2 K)"),
-        (["discharge_temperature=90 degC ± 2 degF"], "an uncertainty is a difference (write kelvin, e.g. ± 2 K)"),
+        (
+            ["discharge_temperature=194 degF ± 2"],
+            "is a temperature, not a difference (write K or delta_degF, e.g. '10 K')",
+        ),
+        (
+            ["discharge_temperature=90 degC ± 2 degF"],
+            "is a temperature, not a difference (write K or delta_degF, e.g. '10 K')",
+        ),
         (["shaft_power=12 kW ± 0 kW"], "an uncertainty must be above 0"),
         (["shaft_power=12 kW ± -1 %"], "an uncertainty must be above 0"),
-        (["discharge_temperature=15 degC ± 1 degC"], "(write kelvin, e.g. ± 2 K)"),
-        (["discharge_temperature=59 degF ± 1"], "(write kelvin, e.g. ± 2 K)"),
+        (["discharge_temperature=15 degC ± 1 degC"], "(write K or delta_degF, e.g. '10 K')"),
+        (["discharge_temperature=59 degF ± 1"], "(write K or delta_degF, e.g. '10 K')"),
         (["discharge_temperature=15 degC ± 1 %"], "a percentage of a temperature depends on its zero (write kelvin"),
         (["peak_pressure=7 barg ± 1 %"], "a percentage of a gauge pressure depends on its zero (write e.g. ± 0.1 bar)"),
         (["shaft_power=12 kW", "shaft_power=13 kW"], "is given twice"),

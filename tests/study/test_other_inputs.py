@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from dataclasses import replace
 
 import pytest
@@ -9,10 +10,11 @@ import pytest
 from screwsim import simulate
 from screwsim.cli import exit_code
 from screwsim.printing.calibration import calibration_document, print_calibration
+from screwsim.printing.posterior import print_posterior
 from screwsim.scene import load, value_at, with_values
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration import other_inputs as other_inputs_module
-from screwsim.study.calibration.answers import Posterior
+from screwsim.study.calibration.answers import ParameterInterval, Posterior
 from screwsim.study.calibration.other_inputs import errors_by_inputs, other_inputs
 from screwsim.study.uncertainty import point
 
@@ -99,6 +101,20 @@ def test_a_posterior_says_what_it_takes_as_exact(fit_file):
     told = " ".join(_notes(found))
     assert f"intervals take {BORE}, {CLEARANCE}, {WALL} as exact" in told
     assert posterior_document(found)["taken_as_exact"] == [BORE, CLEARANCE, WALL]
+
+
+def test_a_posterior_says_how_wide_the_tolerances_of_other_inputs_make_it(fit_file, capsys):
+    """Linear, at the level of its intervals: 1.645 standard errors."""
+    found = calibrate(read_fit(fit_file), jobs=2)
+    spreads = tuple(ParameterInterval(path, 0.9 * v, v, 1.1 * v, 0.06 * v) for path, v in found.values.items())
+    print_posterior(found, Posterior(found.fit, "ok", "", spreads, r_hat=1.0, autocorrelation=1.0, effective=1.0))
+    told = capsys.readouterr().out
+    gap = 1.6448536 * errors_by_inputs(found.shifts, 2)[0]
+    assert re.search(rf"ring_leakage.gap .* {1e6 * gap:.2g} um$", told, re.MULTILINE), told
+    assert "by the tolerances of inputs that are not fitted" in " ".join(told.split())
+    exact = replace(found, shifts=())
+    print_posterior(exact, Posterior(found.fit, "ok", "", spreads, r_hat=1.0, autocorrelation=1.0, effective=1.0))
+    assert "by other inputs" not in capsys.readouterr().out
 
 
 def test_an_input_without_a_derivative_at_one_point_is_in_no_shift_and_named(fit_file, monkeypatch, capsys):

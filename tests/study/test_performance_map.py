@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -138,6 +139,51 @@ def test_the_power_that_is_mapped_is_what_a_motor_draws_where_there_is_one(there
     """EN 12900 and AHRI 540 rate the power input, of open compressors that of the shaft."""
     results = SimpleNamespace(performance=dict.fromkeys(("shaft_power", *there)))
     assert usual_figures(results) == (power, "gas_mass_flow", "cooling_capacity")
+
+
+def with_tolerance(scene) -> Result:
+    """Return the cubics with half of an interval by one input: 3 % of the power, 4 % below 0 °C; none of the flow."""
+    result = cubic(scene)
+    if result.status != "ok":
+        return result
+    power, cold = result.performance["shaft_power"], scene.operation.evaporating_temperature < 273.0
+    path = "effects.tip_leakage.gap"
+    change = {"paths": [path], "share": 1.0, "change": (0.04 if cold else 0.03) * power}
+    figures = {"shaft_power": {"expanded": abs(change["change"]), "contributors": [change]}}
+    told = {"figures": figures, "groups": [[path]], "left_out": {}, "coverage_factor": 2.0}
+    return replace(result, uncertainty=told)
+
+
+def test_a_map_says_how_far_the_tolerances_of_the_inputs_move_its_points(tmp_path, capsys):
+    with_them = str(swept(tmp_path, *AXES, simulate=with_tolerance).path)
+    (found,) = performance_maps(open_results(with_them), NO_CAPACITY)
+    # eight points below 0 °C, seven that closed above
+    assert found.fits["shaft_power"].by_inputs == pytest.approx((8 * 0.04 + 7 * 0.03) / 15, rel=1e-12)
+    assert found.fits["gas_mass_flow"].by_inputs in (None, 0.0)
+    out = tmp_path / "map.csv"
+    figures = [f"--figure={name}" for name in NO_CAPACITY]
+    assert exit_code(["map", with_them, *figures, "-o", str(out)]) == 4  # 10/50 °C fails
+    assert re.search(r"^by tolerances +3\.5 %", text := capsys.readouterr().out, re.MULTILINE)
+    assert "95 % interval by the inputs' tolerances" in " ".join(text.split())
+    assert out.read_text().partition("\n")[0].endswith(",by_inputs")
+
+
+def test_a_map_names_an_input_that_has_no_derivative_at_some_point(tmp_path, capsys):
+    def lost_in_the_cold(scene):
+        result = with_tolerance(scene)
+        lost = {"oil.heat_capacity": "failed"} if scene.operation.evaporating_temperature < 273.0 else {}
+        groups = [["effects.tip_leakage.gap"], ["oil.heat_capacity"]]
+        told = {**result.uncertainty, "groups": groups, "left_out": lost}
+        return replace(result, uncertainty=told) if result.status == "ok" else result
+
+    exit_code(["map", str(swept(tmp_path, *AXES, simulate=lost_in_the_cold).path), "--figure", "shaft_power"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "without oil.heat_capacity, whose part is unknown at some points, so too small there" in told
+
+
+def test_a_map_without_tolerances_has_no_line_of_them(known, capsys):
+    assert exit_code(["map", known, *(f"--figure={name}" for name in NO_CAPACITY)]) == 4
+    assert "tolerances" not in capsys.readouterr().out
 
 
 def test_an_empty_map_covers_nothing():

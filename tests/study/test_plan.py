@@ -195,6 +195,31 @@ def test_a_plan_goes_on_without_an_input_that_has_no_derivative_and_says_so(tmp_
     assert plan_document(found)["left_out"] == {path: "at a: failed: too hot"}
 
 
+def test_only_a_candidate_at_which_an_input_has_no_derivative_is_left_out_and_named(tmp_path, monkeypatch, capsys):
+    """Elsewhere the input counts as uncertain; at such a candidate it would count as exact, and the point tell most."""
+    scene = SCENE.replace("gap: 50 um}", "gap: 50 um}\n  interlobe_leakage: {gap: 50 um ± 10 um, length: 130 mm}")
+    fit, path = read_fit(write_fit(tmp_path, FIT, POINTS, scene), fixed=False), "effects.interlobe_leakage.gap"
+    speed = 2.0 * np.pi * 1000.0 / 60.0
+
+    def lost_at_1000_rpm(of, *asked, **more):
+        if abs(of.operation.speed - speed) < 1e-6 * speed:
+            return Sensitivities(Result("ok"), left_out={path: "failed: too hot"})
+        return Sensitivities(Result("ok"), values={path: 50e-6}, derivatives={"shaft_power": {path: 1e8}})
+
+    monkeypatch.setattr("screwsim.study.uncertainty.point.sensitivities", lost_at_1000_rpm)
+    every = candidates_of(fit, paths=[SPEEDS], levels=5)
+    found = plan(fit, every, count=2, jobs=1, simulate=plane)
+    assert found.inputs == (path,) and not found.left_out
+    assert found.unsure == {"1000 rpm": f"{path}: at 1000 rpm: failed: too hot"}
+    without = plan(fit, every[1:], count=2, jobs=1, simulate=plane)
+    assert [step.deviations for step in found.steps] == [step.deviations for step in without.steps]
+    print_plan(found)
+    assert f"no derivative there: {path}: at 1000 rpm" in " ".join(capsys.readouterr().out.split())
+    assert plan_document(found)["without_derivative"] == found.unsure
+    none = plan(fit, every[:1], count=1, jobs=1, simulate=plane)
+    assert (none.inputs, list(none.left_out), len(none.steps)) == ((), [path], 1)
+
+
 def test_candidates_are_measured_as_the_points_are(tmp_path):
     fit = fit_of(tmp_path)
     share = typical_uncertainties(fit)["shaft_power"]

@@ -166,7 +166,7 @@ def test_the_command_prints_and_writes_the_posterior(tmp_path, capsys, monkeypat
     assert code == 0 and "effects.tip_leakage.gap" in told and "heat_capacity" in told
     assert "* not fitted: " in told and "R-hat 1.00" in told
     rows = (tmp_path / "out" / "posterior.csv").read_text().splitlines()
-    assert rows[0] == f"{GAP},{CAPACITY},discrepancy_shaft_power [W]" and len(rows) == 4001
+    assert rows[0] == f"{GAP} [m],{CAPACITY} [J/(kg K)],discrepancy_shaft_power [W]" and len(rows) == 4001
     assert drawn == ["tip leakage gap (µm)", "heat capacity (kJ/(kg K))"]
     assert {each.name for each in (tmp_path / "out").glob("posterior.*")} >= {"posterior.png", "posterior.pdf"}
     assert exit_code(["calibrate", str(file), "--posterior", "--jobs", "1", "--json"]) == 0

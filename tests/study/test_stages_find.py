@@ -13,6 +13,7 @@ from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.study.asked.goals import read_goals
+from screwsim.study.asked.spans import read_spans
 from screwsim.study.seek import find_each, question
 from screwsim.study.stages import StageChain, read_stages
 from screwsim.study.stages.result import figures_of_both
@@ -56,6 +57,15 @@ def test_a_gauge_pressure_of_both_is_read_over_the_ambient_one_that_they_share(p
     for read in (read_goals, read_measured):
         with pytest.raises(UsageError, match=r"'barg' is a gauge pressure \(write the absolute pressure"):
             read(read_stages(plant(), shared[:1]), ["intermediate_pressure=3 barg"])
+
+
+def test_a_range_in_gauge_pressures_is_read_over_the_shared_ambient_pressure_alone(plant):
+    """As their sweep reads it: options took each stage's own."""
+    path, apart = "second.operation.discharge.pressure", ["first.operation.ambient_pressure=0.9 bar"]
+    (span,) = read_spans(read_stages(plant()), [f"{path}=7 barg..9 barg"], ranged=True)
+    assert (span.low, span.high) == pytest.approx((8.01325e5, 10.01325e5), rel=1e-12)
+    with pytest.raises(UsageError, match=f"{path}: '7 barg' is a gauge pressure .write the absolute pressure"):
+        read_spans(read_stages(plant(), apart), [f"{path}=7 barg..9 barg"], ranged=True)
 
 
 def test_each_row_of_the_sweep_has_its_answer(plant):

@@ -377,8 +377,7 @@ def test_the_oil_of_an_expander_takes_up_a_fiftieth_of_the_room_at_its_inlet(sta
     oil = p.oil_ratio / scene.oil.at(scene.oil_supply.temperature).density
     gas = 1.0 / PropsSI("D", "P", p.suction_pressure, "T", p.suction_temperature, scene.gas.name)
     assert 0.018 < oil / gas < 0.026
-    assert 0.9 < p.filling_factor < 1.0
-    assert 0.7 < p.isentropic_efficiency < 1.1  # above 1 by the heat of the oil, which does not count (M491)
+    assert 0.9 < p.filling_factor < 1.0 and 0.7 < p.isentropic_efficiency < 1.05  # warm oil gives heat
 
 
 @pytest.mark.slow

@@ -110,6 +110,27 @@ def test_a_scene_is_told_the_error_of_the_validation_that_it_names_and_where_it_
     assert [text.partition(" ")[0] for text in far["outside"]] == ["fluid", "speed", "pressure"]
 
 
+@pytest.mark.parametrize(
+    ("figure", "inside", "outside", "told"),
+    [
+        ("displacement", (4.83e-4, 3.07e-3), (4.5e-4, 3.3e-3), "displacement per revolution"),
+        ("evaporating_temperature", (258.0, 283.5), (250.0, 285.0), "evaporating temperature"),
+        ("condensing_temperature", (303.0, 328.5), (300.0, 333.0), "condensing temperature"),
+    ],
+)
+def test_a_size_or_a_temperature_outside_of_the_ratings_is_told(figure, inside, outside, told):
+    scene = screwsim.load(ROOT / "validation" / "hsk" / "machine.yaml", ["uncertainty.model=screw_r134a"])
+    for value in (*inside, *outside):
+        found = model_error(scene, {"pressure_ratio": 3.0, figure: value})["outside"]
+        assert [text.startswith(told) for text in found] == ([True] if value in outside else [])
+
+
+def test_every_model_error_of_a_machine_with_saturation_states_the_size_and_the_temperatures_that_it_holds_for():
+    for name, stated in stored_model_errors().items():
+        there = {"displacement", "evaporating_temperature", "condensing_temperature"} <= set(stated["range"])
+        assert there is (name != "cagi")  # an air package, whose points come from a curve
+
+
 def test_a_scene_that_names_none_is_told_nothing():
     assert model_error(screwsim.load(ROOT / "configs/paper/point.yaml"), {"pressure_ratio": 3.0}) == {}
 
@@ -120,4 +141,7 @@ def test_the_range_is_in_words():
         "operation.speed": [104.7197551, 314.1592654],
         "pressure_ratio": [2.0, 2.0],
     }
+    cold = {"evaporating_temperature": [273.1499999999, 278.15], "displacement": [4.8276e-4, 3.0747e-3]}
+    more = "evaporating temperature 0 °C to 5 °C, displacement per revolution 482.8 cm³ to 3075 cm³"
+    assert range_text(cold) == more
     assert range_text(known) == "machine twin_screw, speed 1000 rpm to 3000 rpm, pressure ratio 2"

@@ -18,7 +18,7 @@ from typing import Annotated, Any
 import typer
 
 from screwsim.cli import files, points, process, seek, studies
-from screwsim.cli.declare import summary
+from screwsim.cli.declare import Command, summary
 from screwsim.cli.export import app as export_app
 from screwsim.cli.machine import datasheet, startup
 from screwsim.cli.new import new
@@ -70,6 +70,7 @@ for _command in (new, *_POINTS, datasheet, *_SEEK, *_STUDIES, *_MEASURED, *_FILE
 app.add_typer(export_app, name="export", short_help=str(export_app.info.help).rstrip("."))
 for _registered in (*app.registered_commands, *export_app.registered_commands):
     _registered.short_help = summary(_registered.callback)
+    _registered.cls = Command
 
 
 @cache

@@ -6,11 +6,27 @@ from pathlib import Path
 from typing import Any
 
 import typer
+from typer.core import TyperCommand, TyperOption
+
+from screwsim.inputs.faults import UsageError
 
 # types of optional options
 Text = str | None
 Texts = list[str] | None
 File = Path | None
+
+
+class Command(TyperCommand):
+    """A command that refuses an option with one value that is given twice, of which click would take the last."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Return what is left of the arguments; raise UsageError."""
+        _, _, given = self.make_parser(ctx).parse_args(list(args))
+        for each in given:
+            single = isinstance(each, TyperOption) and not (each.multiple or each.is_flag)
+            if single and given.count(each) > 1:
+                raise UsageError(f"{each.opts[0]}: is given twice, and takes one value (remove one)")
+        return super().parse_args(ctx, args)
 
 
 def option(value: str, says: str, *names: str, default: Any = None, **more: Any) -> Any:

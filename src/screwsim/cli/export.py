@@ -310,7 +310,7 @@ def en12900(
 def loads(
     source: str = argument("SCENE|OUT.h5", "A scene, or the results file of a run."),
     output: Path = option("DIR", "Folder for curves, spectra and surfaces.", "-o", default=..., show_default=False),
-    steps: int = option("N", "Time steps per revolution on the surfaces.", min=1, default=48),
+    steps: int | None = option("N", "Time steps per revolution on the surfaces (default 48).", min=1),
     bearings: Text = option(
         "A,B",
         "Distances of the bearings of both rotors beyond their ends, suction side first, e.g. '40 mm,60 mm' "
@@ -327,19 +327,20 @@ def loads(
 ) -> int:
     """Write loads and noise sources: forces on rotors and bearings, flows in both lines, spectra, rotor surfaces."""
     options.check_folder(output)
-    from screwsim.export.loads import loads, protect_other_loads, write_loads
+    from screwsim.export.loads import REVOLUTION_STEPS, check_rotors, loads, protect_other_loads, write_loads
     from screwsim.export.source import run_of, spans_of
     from screwsim.printing.export import loads_document, print_loads
 
     protect_other_loads(output)
     spans, through = spans_of(bearings), spans_of(shafts, "--shafts")
-    scene, result = run_of(source, overrides or (), without or ())
+    needs_rotors = options.first_given({"--bearings": bearings, "--shafts": shafts, "--steps": steps})
+    scene, result = run_of(source, overrides or (), without or (), partial(check_rotors, option=needs_rotors))
     if not result.cycle:
         return options.print_error(f"{source}: {result.told}", NOT_ALL_OK)
     found = loads(scene, result, spans, through)
     if found.without:
         typer.echo(f"export: {found.without}", err=True)
-    files = write_loads(scene, result, found, output, steps)
+    files = write_loads(scene, result, found, output, steps or REVOLUTION_STEPS)
     print_document_or_text(as_json, loads_document, print_loads, found, result, files)
     options.tell_left(output, files, "forces*.csv", "*_rotor.xdmf", "*_rotor.h5")
     return OK if result.status == "ok" else NOT_ALL_OK

@@ -37,12 +37,12 @@ def find(
     scene = options.loaded_scene_or_stages(scene_file, "find", overrides, without)
     from screwsim.printing.find import find_document, print_find, write_find
     from screwsim.scene import case_count
-    from screwsim.scene.grid import with_sweep_over
+    from screwsim.scene.grid import without_axes
     from screwsim.study.seek import find_each, question
 
     asked = question(scene, vary or (), goals or (), catalogue or ())
     varied = [span.path for span in asked.spans]
-    several = case_count(with_sweep_over(scene, [path for path in scene.sweep if path not in varied])) > 1
+    several = case_count(without_axes(scene, varied)) > 1
     table = output is not None and output.suffix.lower() in (".csv", ".h5")
     if table:
         options.check_columns(output, "goal seek", "solutions", "failed_solutions", "status", "message")

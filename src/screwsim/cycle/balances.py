@@ -149,6 +149,22 @@ def _columns(c: Composition, q: Array) -> list[list[float]]:
     return list(map(list, zip(*rows[: slots.BETWEEN], *rows[slots.BETWEEN + 1 :], strict=True)))
 
 
+def incoming_oil(problem: Problem, R: Array, q: Array) -> float:
+    """Return the oil [kg/life] that comes in: injected, through a port, or with the gas of an expander, net (M490)."""
+    c, parts, streams = problem.composition, problem.parts, streams_of(problem.composition, q)
+    if c.ported:
+        return float(streams[slots.PORT_OIL, slots.OF_OIL])
+    if not parts.geometry.expands:
+        return float(R[slots.R_INJECTED])
+    net = streams[slots.SUCTION_IN] + streams[slots.SUCTION_OUT]
+    return float(net[slots.OF_OIL]) if c.carried else parts.arriving_oil * float(net[slots.OF_GAS])
+
+
+def injection_pressure(problem: Problem, R: Array) -> float:
+    """Return the pressure [Pa] where oil comes in at once: of the chamber, or of an expander's suction line."""
+    return problem.suction.pressure if problem.parts.geometry.expands else float(R[slots.R_PRESSURE])
+
+
 def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     """Return the residuals of a life, from its quadratures and the run-time cells R that it left."""
     c, part, trapped = problem.composition, problem.parts.oil, float(R[slots.R_TRAPPED])
@@ -160,8 +176,7 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     oil = oil_share = lost = 0.0
     if c.carried and part is not None:
         injected = float(R[slots.R_INJECTED])
-        before = problem.suction.pressure if problem.parts.geometry.expands else float(R[slots.R_PRESSURE])
-        T_oil = part.temperature + problem.oil_pressure_term(max(part.source_pressure, before))
+        T_oil = part.temperature + problem.oil_pressure_term(max(part.source_pressure, injection_pressure(problem, R)))
         net = sum(of_oil[0])
         energy += part.heat_capacity * (sum(of_oil[1]) - T_oil * net)
         lost, through = abs(net + injected), max(injected, sum(map(abs, of_oil[0])) / 2)

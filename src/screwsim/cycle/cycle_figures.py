@@ -7,7 +7,7 @@ from functools import cache
 from typing import Any
 
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import outflow_of, streams_of, wall_drag_work
+from screwsim.cycle.balances import incoming_oil, injection_pressure, outflow_of, streams_of, wall_drag_work
 from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import DISCHARGE, SUCTION, PowerLoss, PressureLosses, Turn
@@ -15,19 +15,7 @@ from screwsim.fluid.moist_air import after_draining
 from screwsim.inputs.faults import checked_own_number
 from screwsim.model.parts import Parts
 from screwsim.model.port_states import SOME_OIL
-from screwsim.model.slots import (
-    OF_GAS,
-    OF_OIL,
-    PORT_OIL,
-    PORT_STATE,
-    PRESSURE,
-    Q_WORK,
-    R_INJECTED,
-    R_PRESSURE,
-    R_SUCTION,
-    SUCTION_IN,
-    SUCTION_OUT,
-)
+from screwsim.model.slots import PORT_STATE, PRESSURE, Q_WORK, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.frozen import fast_init
 
@@ -95,18 +83,15 @@ def cycle_figures(
     """Return the quantities of a life with quadratures q; `turn` may be None where no reading needs it."""
     parts, oil = problem.parts, problem.scene.oil
     T_oil = parts.oil.temperature if parts.oil is not None else None
-    injected, p_injection = float(life.R[R_INJECTED]), float(life.R[R_PRESSURE])
+    p_injection = injection_pressure(problem, life.R)
     p_source = parts.oil.source_pressure if parts.oil is not None else problem.lines.p_d
-    if parts.oil is not None and parts.geometry.expands:
-        injected, p_injection = arriving_oil(problem, q), problem.suction.pressure
     p_delivery = max(p_injection, p_source)
     if problem.composition.ported:
-        injected = float(streams_of(problem.composition, q)[PORT_OIL, OF_OIL])
         mass, pressure, lift = life.port_oil()
         if mass > 0.0:
             p_injection, p_delivery = pressure / mass, p_source + lift / mass
     rate = problem.rate
-    oil_flow = injected * rate if parts.oil is not None else 0.0
+    oil_flow = incoming_oil(problem, life.R, q) * rate if parts.oil is not None else 0.0
     leaked = suction_line.leak(problem, life.R).oil * rate / parts.oil.density if parts.oil is not None else 0.0
     taken_in = problem.inlet.density * parts.geometry.swept_volume / parts.geometry.pitch  # [kg/rad], at best
     return CycleFigures(
@@ -137,13 +122,6 @@ def cycle_figures(
         theoretical_torque=lambda: taken_in * (problem.h_isentropic - problem.inlet.enthalpy),  # (M460)
         fluid=problem.scene.gas.name,
     )
-
-
-def arriving_oil(problem: Problem, q: Array) -> float:
-    """Return the oil [kg/life] that comes to an expander with its gas, less what flows back (M490)."""
-    streams, carried = streams_of(problem.composition, q), problem.composition.carried
-    net = streams[SUCTION_IN] + streams[SUCTION_OUT]
-    return float(net[OF_OIL]) if carried else problem.parts.arriving_oil * float(net[OF_GAS])
 
 
 def chamber_end_pressure(problem: Problem, life: Trajectory, to: str) -> float | None:

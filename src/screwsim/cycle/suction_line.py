@@ -10,7 +10,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from screwsim.cycle.problem import LEAST_OIL, Problem
+from screwsim.cycle.problem import Problem
 from screwsim.effects.base import LineLeak, OilSolution, SuctionHeat
 from screwsim.fluid.nozzle import flow
 from screwsim.inputs.faults import UsageError
@@ -21,6 +21,7 @@ from screwsim.numerics.roots import brentq
 Array = np.ndarray
 CLOSE = 1e-13  # relative width of the interval to which the mixture's enthalpy is bracketed
 IMBALANCE = 0.01  # relative difference between the line's enthalpy and its inflow's, above which it is not closed
+NO_OIL = 1e-12  # oil per gas below which its heat is rounding
 REACH = 0.02  # relative distance from the guessed enthalpy that is searched first
 
 
@@ -194,7 +195,7 @@ def mixed(problem: Problem, total: Stream, guess: float) -> Mixture:
 
     The total enthalpy grows with that of the gas, which is sought from a guess [J/kg].
     """
-    if not total.oil > LEAST_OIL * max(total.gas, 0.0):
+    if not total.oil > NO_OIL * max(total.gas, 0.0):
         return Mixture(*(each / total.gas for each in (total.enthalpy, max(total.oil, 0.0), total.held)))
     parts, p = problem.parts, problem.suction.pressure
     gas, oil, content = parts.gas, parts.oil, parts.oil_content

@@ -30,6 +30,7 @@ from screwsim.effects.parts.gap import (
 from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import optional, quantity
 from screwsim.inputs.faults import Fault
+from screwsim.machine.profile_law import sized_holes
 from screwsim.machine.protocol import BLOW_HOLE, ROTORS, SQUARE
 from screwsim.numerics.kernel import kernel
 
@@ -78,10 +79,7 @@ def suction_side(phi, size, pitch, closes):
 def build(parameters: Parameters, machine) -> list[FlowPath]:
     interfaces = machine.interfaces(BLOW_HOLE)
     if interfaces is not None and parameters.area_file is None:
-        compressing, filling = interfaces[:1], interfaces[1:]
-        largest = max((float(one.table.value.max()) for one in compressing), default=1.0)
-        factor = 1.0 if parameters.area is None else parameters.area / largest
-        return [*profile_paths(parameters, compressing, factor=factor), *profile_paths(parameters, filling)]
+        return profile_paths(parameters, sized_holes(interfaces, parameters.area))
     opens, closes = parameters.opens, parameters.closes
     values = {"size": parameters.area or 0.0, "opens": opens, "closes": closes}
     corners = [at - machine.pitch for at in (opens, opens + RAMP, closes - RAMP, closes)]

@@ -19,7 +19,13 @@ from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Given, Plenum, Site, Sought, Span
 from screwsim.effects.parts.gap import flow_coefficient
-from screwsim.effects.parts.port_window import CheckWithin, WindowParameters, check_window, window_path
+from screwsim.effects.parts.port_window import (
+    CheckWithin,
+    WindowParameters,
+    check_window,
+    lost_by_backflow,
+    window_path,
+)
 from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
@@ -38,7 +44,6 @@ DRAW = "economizer_draw_ratio"
 HEAT_LOSS = "economizer_heat_loss"
 LACKING = "economizer_heat_lacking"
 DRAWN_TOO_MUCH = 0.02  # relative excess of the drawn vapour over that which the liquid makes, above which is warned
-GIVEN_TOO_MUCH = 0.005  # heat loss over shaft power above which is warned
 PER_FOLD = 8.0  # [K] approximate error of the temperature when the port draws e times the vapour there is
 SETTLED = 2e-3  # largest relative difference of vapour drawn and given off with which a temperature counts as found
 APART = 0.5  # [K] least distance of a temperature that is found from both lines' and from the liquid's
@@ -227,11 +232,8 @@ def warnings(found: Mapping[str, Any]) -> Iterator[str]:
     if ratio > 1.0 + DRAWN_TOO_MUCH:
         what = f"the economizer's port draws {ratio:.3g} times the vapour that the liquid gives off"
         yield f"{what}: its pressure would fall (lower effects.economizer.temperature, or make the port smaller)"
-    loss, power = found.get(HEAT_LOSS) or 0.0, abs(found.get("shaft_power") or 0.0)
-    if loss > GIVEN_TOO_MUCH * power > 0.0:
-        what = f"gas that chambers push back into the economizer loses {loss:.3g} W there, {100.0 * loss / power:.2g} %"
-        keeps = f", or write effects.{NAME}.backflow: {EVAPORATES}, which keeps the heat that the liquid takes up"
-        yield f"{what} of the shaft power (close the port earlier{keeps if flow > 0.0 and ratio >= 0.0 else ''})"
+    keeps = f", or write effects.{NAME}.backflow: {EVAPORATES}, which keeps the heat that the liquid takes up"
+    yield from lost_by_backflow(found, HEAT_LOSS, "the economizer", keeps if flow > 0.0 and ratio >= 0.0 else "")
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -18,10 +18,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.effects.base import Drawn, Effect, Faults, FlowPath, Plenum, Site, Sought, Span
-from screwsim.effects.economizer import GIVEN_TOO_MUCH
 from screwsim.effects.oil_injection import discharge_pressure
 from screwsim.effects.parts.gap import flow_coefficient
-from screwsim.effects.parts.port_window import CheckWithin, WindowParameters, check_window, window_path
+from screwsim.effects.parts.port_window import (
+    CheckWithin,
+    WindowParameters,
+    check_window,
+    lost_by_backflow,
+    window_path,
+)
 from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses
@@ -141,10 +146,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Plenum]:
 
 def warnings(found: Mapping[str, Any]) -> Iterator[str]:
     """Yield a warning of gas that is pushed back into the liquid line."""
-    loss, power = found.get(HEAT_LOSS) or 0.0, abs(found.get("shaft_power") or 0.0)
-    if loss > GIVEN_TOO_MUCH * power > 0.0:
-        what = f"gas pushed back into the liquid line loses {loss:.3g} W there, {100.0 * loss / power:.2g} %"
-        yield f"{what} of the shaft power, and condenses (let effects.{NAME} close earlier)"
+    yield from lost_by_backflow(found, HEAT_LOSS, "the liquid line")
 
 
 def check(parameters: Parameters, facts) -> Faults:

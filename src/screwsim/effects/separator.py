@@ -258,9 +258,12 @@ def _bounds(cooler: Cooler, path: str, facts) -> Faults:
 
 
 def warnings(found) -> Iterator[str]:
-    """Yield a warning where a stated supply temperature requires the cooler to heat, or its coolant does."""
+    """Yield a warning where a stated supply temperature requires the cooler to heat, or its coolant does.
+
+    Not for an expander, whose oil is to be warmed.
+    """
     duty, power = found.get(DUTY), found.get("shaft_power")
-    if duty is not None and duty < -HEATS * abs(power or 0.0):
+    if duty is not None and duty < -HEATS * abs(power or 0.0) and "output_power" not in found:
         T, supply = found["separator_temperature"], found["oil_supply_temperature"]
         heats, remedy = f"would have to heat it by {-1e-3 * duty:.4g} kW", f"lower {SUPPLY} or {OUTLET}"
         if LOAD in found:  # a cooler of a stated size
@@ -284,5 +287,4 @@ EFFECT = Effect(
     figures=FIGURES,
     warnings=warnings,
     usual={ROTORS: SEPARATOR},
-    in_expander="never",
 )

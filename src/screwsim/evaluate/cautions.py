@@ -38,7 +38,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
         supply is not None
         and supply.pumped
         and parts.oil_port is None
-        and not parts.geometry.expands
+        and not parts.geometry.expands  # whose oil comes in with the gas
         and (ratio := found["oil_ratio"])
         and ratio > (supply.ratio or 0) * (1 + 1e-9) + LEAST_OIL
     ):

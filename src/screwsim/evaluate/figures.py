@@ -1,7 +1,7 @@
 """The performance figures of a closed cycle that its scene calls for."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,13 +11,16 @@ from screwsim.cycle import suction_line
 from screwsim.cycle.balances import flow_past_suction_port, outflow_dissolved_gas, outflow_of, streams_of
 from screwsim.cycle.cycle_figures import CycleFigures, kept_in_oil, oil_lift
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import SUCTION, Drawn, Given, Plenum, Separator, Turn
+from screwsim.effects import having
+from screwsim.effects.base import DISCHARGE, SUCTION, Drawn, FlowPath, Given, Plenum, Separator, Turn
+from screwsim.effects.parts.usual import SLIDES
 from screwsim.evaluate import humidity, performance
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, figures_declared_elsewhere
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.settings import TURN
 from screwsim.model import slots
+from screwsim.model.parts import Parts
 from screwsim.model.trajectory import Trajectory
 from screwsim.model.turn_scheduler import reach_station
 from screwsim.outputs import Figure
@@ -121,8 +124,26 @@ def _of_machine(
         "pressure_ratio": lines.p_s / lines.p_d if geometry.expands else lines.p_d / lines.p_s,
         "displacement": geometry.swept_volume * TURN / geometry.pitch,
         "displacement_flow": geometry.swept_volume * rate,
-        "built_in_volume_ratio": geometry.built_in_volume_ratio(life.volume),
+        "built_in_volume_ratio": _volume_ratio(parts, life.volume),
     }
+
+
+def _volume_ratio(parts: Parts, volume_at: Callable[[float], float]) -> float | None:
+    """Return the built-in volume ratio: the machine's own, or with the edges of a slide that an effect states (M162).
+
+    `volume_at` returns a chamber's volume [m³] at an angle [rad].
+    """
+    geometry = parts.geometry
+    names = [key.split(".")[1] for key in having(SLIDES)]
+    slide = [part for name in names for part in parts.effects.get(name, ()) if isinstance(part, FlowPath)]
+    edges = [path for path in slide if path.values.get("size", 1.0) > 0.0]
+    if not edges or geometry.profile is not None:  # whose own slide moves the machine's ports
+        return geometry.built_in_volume_ratio(volume_at)
+    at: dict[str, list[float]] = {SUCTION: [geometry.injection_angle], DISCHARGE: []}
+    at[DISCHARGE] += [] if geometry.discharge_opens is None else [geometry.discharge_opens]
+    for path in edges:
+        at[path.to] += path.breakpoints
+    return volume_at(max(at[SUCTION])) / volume_at(min(at[DISCHARGE])) if at[DISCHARGE] else None
 
 
 def _refrigerating_effect(problem: Problem, found: Mapping[str, Any]) -> float | None:

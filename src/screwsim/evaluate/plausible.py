@@ -8,15 +8,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from screwsim.effects import catalogue
 from screwsim.effects.base import LINES, FlowPath, HeatRate, Plenum, Wall
 from screwsim.effects.parts.usual import WAY_IN, WAY_OUT
 from screwsim.fluid.oils import OILS
-from screwsim.machine.kinds import kind_of
 from screwsim.model.parts import Parts
 from screwsim.outputs import Figures
 from screwsim.outputs.customary import in_bar, in_celsius
 from screwsim.scene.lines import Lines
+from screwsim.scene.plausible import suitable_effects
 from screwsim.scene.types import Scene
 
 DELIVERED = 1e-3  # volumetric efficiency above which a machine counts as one that delivers
@@ -172,12 +171,12 @@ def lines_met(parts: Parts) -> set[str]:
 def blocked_paths(scene: Scene, parts: Parts) -> tuple[str, ...]:
     """Return messages where nothing leads from the suction line into a chamber, or from it to the discharge line."""
     found, leads = [], lines_met(parts)
-    kind, roles = kind_of(scene.machine), (WAY_IN, WAY_OUT)
+    roles = WAY_IN, WAY_OUT
     ways = "from the suction line into", "to the discharge line out of"
     for line, role, way in zip(LINES, reversed(roles) if parts.geometry.expands else roles, ways, strict=True):
         if line in leads:
             continue
-        named = [name for name, effect in catalogue().items() if role in effect.roles and effect.fits(kind)]
+        named = [name for name, effect in suitable_effects(scene).items() if role in effect.roles]
         remedy = f"name {' or '.join(f'effects.{name}' for name in named) or 'an effect that opens one'}"
         given = [f"machine.{name}" for name in named if getattr(scene.machine, name, None) is not None]
         beside = f"; {given[0]} is given, but only named effects are simulated" if given else ""

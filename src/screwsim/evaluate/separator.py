@@ -10,8 +10,7 @@ import numpy as np
 
 from screwsim.build import open_temperatures, package_of, separator_effects
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import streams_of, walls_of
-from screwsim.cycle.cycle_figures import arriving_oil
+from screwsim.cycle.balances import incoming_oil, injection_pressure, streams_of, walls_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import OilSolution, PowerLoss
 from screwsim.effects.base import Separator as SeparatorPart
@@ -94,7 +93,7 @@ def _unexplained_power(outflow: SeparatorInflow, parted: Separated) -> float:
 def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float) -> SeparatorInflow:
     """Return the flows of a life with quadratures q into the separator (M280, M282)."""
     parts, c, rate, h_ref = problem.parts, problem.composition, problem.rate, problem.inlet.enthalpy
-    oil, expands = parts.oil, parts.geometry.expands
+    oil = parts.oil
     assert oil is not None
     streams = rate * streams_of(c, q)
     gas = streams[:, slots.OF_GAS]
@@ -112,8 +111,8 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     absorbed = sum(float(gas[2 * i] + gas[2 * i + 1]) for i in flashing)
     taken_up = sum(beyond[2 * i] + beyond[2 * i + 1] for i in flashing)
     if c.carried:
-        before = max(oil.source_pressure, float(life.R[slots.R_PRESSURE]))
-        T_in = oil.temperature + problem.oil_pressure_term(problem.lines.p_d if expands else before)
+        p_in = max(oil.source_pressure, injection_pressure(problem, life.R))
+        T_in = oil.temperature + problem.oil_pressure_term(p_in)
         T_in = float(c.P[oil_places(parts)["P_H_PORT"]]) if c.ported else T_in
 
         def heat(oil_heat: Any, oil_flow: Any) -> float:
@@ -122,12 +121,11 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
 
         if c.ported:
             taken_up += heat(streams[slots.PORT_OIL, slots.OF_OIL_HEAT], streams[slots.PORT_OIL, slots.OF_OIL])
-        by_line = parts.suction_line or expands
-        of_line = (slots.SUCTION_IN, slots.SUCTION_OUT) if by_line else ()
+        of_line = (slots.SUCTION_IN, slots.SUCTION_OUT) if parts.suction_line else ()
         lines = [row for row in range(len(streams)) if row not in (slots.BETWEEN, slots.PORT_OIL, *of_line)]
         energy -= heat(streams[lines, slots.OF_OIL_HEAT], streams[lines, slots.OF_OIL])
-        if by_line:
-            # oil that comes through the suction line, and the leak to it, which leaves before the separator
+        if parts.suction_line:
+            # oil that circulates through the suction line, and the leak to it, which leaves before the separator
             back = streams[slots.SUCTION_IN] + streams[slots.SUCTION_OUT]
             leaked = heat(leak.oil_heat, leak.oil)
             energy -= leaked
@@ -141,21 +139,17 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
     else:
         energy -= rate * float(q[slots.Q_HEAT])
     friction = sum(losses[name] for name in {part.figure for _, part in parts.all(PowerLoss) if part.friction})
-    heating = sum(losses.values()) - friction
-    if expands:  # its pump heats oil that has yet to come in (M490)
-        heating -= sum(losses[name] for name in {part.figure for _, part in parts.all(PowerLoss) if part.kept})
-    injected = streams_of(c, q)[slots.PORT_OIL, slots.OF_OIL] if c.ported else life.R[slots.R_INJECTED]
     return SeparatorInflow(
         parts.gas,
         p=problem.lines.p_d,
         gas_flow=out - returned - absorbed,
         h_ref=h_ref,
-        oil_flow=rate * (arriving_oil(problem, q) if expands else float(injected)),
+        oil_flow=rate * incoming_oil(problem, life.R, q),
         oil_heat_capacity=oil.heat_capacity,
         T_supply=oil.temperature,
         T_inlet=problem.lines.T_s,
         energy=energy - sent_back - taken_up,
-        heating=heating + (0.0 if parts.oil_room or expands else lift),
+        heating=(0.0 if parts.oil_room else lift) + sum(losses.values()) - friction,
         friction=friction,
         supplied=supplied + (lift if parts.oil_room else 0.0),
     )

@@ -13,14 +13,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from screwsim.effects import catalogue
 from screwsim.effects.base import Effect
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
-from screwsim.machine.kinds import find_machine
 from screwsim.results.schema import named_files
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import FIXED, Leaf, leaf_paths
+from screwsim.scene.plausible import suitable_effects
 from screwsim.scene.tolerances import tolerance_text
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert, shown, text_of
@@ -114,9 +113,7 @@ def _watched(paths: Iterable[str]) -> FileWatch:
 
 def possible_effects(scene: Scene) -> dict[str, Effect]:
     """Return the effects that a page may switch on: those of the scene, and the catalogue's that fit its machine."""
-    kind = find_machine(scene.machine.kind)
-    named = {name: active.effect for name, active in scene.effects.items()}
-    return named | {name: effect for name, effect in catalogue().items() if effect.fits(kind)}
+    return {name: active.effect for name, active in scene.effects.items()} | suitable_effects(scene)
 
 
 def active_effects(scene: Scene, effects: Mapping[str, bool]) -> dict[str, Effect]:

@@ -128,7 +128,7 @@ def loads(scene: Scene, result: Result, spans: Spans | None = None, shafts: Diam
 
     `spans` and `shafts` [m] are those of `rotor_supports.supports_of`, which takes what is None from the scene.
     """
-    frequency = scene.operation.speed / build_parts(scene).geometry.pitch  # [Hz] at which chambers pass
+    frequency = mean_speed(scene, result) / build_parts(scene).geometry.pitch  # [Hz] at which chambers pass
     curves, supports = {"flows": flows_of(scene, result)}, None
     if not has_rotors(scene):
         without = "forces and surfaces need rotors with a profile (machine.volume.law: profile), of a compressor"
@@ -140,10 +140,23 @@ def loads(scene: Scene, result: Result, spans: Spans | None = None, shafts: Diam
     return ExportedLoads(scene.title, frequency, curves, spectra, without, supports)
 
 
+def mean_speed(scene: Scene, result: Result) -> float:
+    """Return the mean speed of the male rotor [rad/s]: that of its drive where one finds it, else the stated one."""
+    found = result.performance.get("mean_speed")
+    return float(scene.operation.speed if found is None else found)
+
+
 def has_rotors(scene: Scene) -> bool:
     """Tell whether a scene has rotors with known surfaces, as a compressor with a profile does."""
     machine = scene.machine
     return machine.kind == TWIN_SCREW and not machine.expands and twin_screw(machine).volume.from_rotors
+
+
+def check_rotors(scene: Scene, option: str) -> None:
+    """Raise UsageError where an option of forces and surfaces is given and the scene has no rotors for them."""
+    if option and not has_rotors(scene):
+        what = "applies to forces and surfaces of rotors with a profile, of a compressor"
+        raise UsageError(f"{option}: {what} (state machine.volume.law: profile, or leave it out: flows are written)")
 
 
 def protect_other_loads(folder: Path) -> None:
@@ -169,7 +182,7 @@ def write_loads(
     if has_rotors(scene):
         pressures = pressures_of(laid_curves(twin_screw(scene.machine)), result)
         for name, surface in zip(("male", "female"), surfaces(pressures.laid.rotors, PROFILE_PIECES), strict=True):
-            files += write_surface(folder / f"{name}_rotor", surface, pressures, steps, scene.operation.speed)
+            files += write_surface(folder / f"{name}_rotor", surface, pressures, steps, mean_speed(scene, result))
     return files
 
 

@@ -120,13 +120,22 @@ def map_of_scene(
     return tabulated_map(scene, inputs, outputs, asked, most=most, jobs=jobs, progress=progress)
 
 
-def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = ()) -> tuple[Scene, Result]:
-    """Return a scene without its sweep, and its result with the cycle; raise `SceneError` or `UsageError`."""
+def run_of(
+    source: str,
+    overrides: Sequence[str] = (),
+    without: Sequence[str] = (),
+    check: Callable[[Scene], None] = lambda scene: None,
+) -> tuple[Scene, Result]:
+    """Return a scene without its sweep, and its result with the cycle; raise `SceneError` or `UsageError`.
+
+    `check` is called with the scene before anything is simulated.
+    """
     if not is_results(source):
         alone = "screwsim run -o OUT.h5, then screwsim scene OUT.h5 --stage first, gives one to be named here"
         refuse_stages(source, f"loads are those of one machine ({alone})")
         scene = load(source, overrides, without)
         scene = replace(scene, sweep={}, joints=())
+        check(scene)
         return scene, simulate(scene)
     if overrides or without:
         raise UsageError(f"{source}: holds results, which --set and --without cannot change (name their scene instead)")
@@ -142,6 +151,7 @@ def run_of(source: str, overrides: Sequence[str] = (), without: Sequence[str] = 
         scene = loads(results.scene_yaml, source, str(Path(source).resolve().parent))
     except SceneError as error:
         raise UsageError(f"{source}: its scene cannot be read from here (name its file): {error.lines[0]}") from None
+    check(scene)
     cycle = {name: np.asarray(results.cycle[name]) for name in results.cycle}
     figures = {name: float(results.performance[name]) for name in results.figures}
     status, message = str(results.status), str(results.messages)

@@ -91,6 +91,14 @@ class Interface:
     table: Table
 
 
+def sized_holes(holes: tuple[Interface, ...], area: float | None) -> tuple[Interface, ...]:
+    """Return blow-holes, the first, at the high-pressure cusp, scaled to a largest area [m²]; as they are for None."""
+    if area is None or not holes:
+        return holes
+    first = holes[0].table
+    return (replace(holes[0], table=first.times(area / float(first.value.max()))), *holes[1:])
+
+
 @dataclass(frozen=True, eq=False)
 class LaidCurves:
     """All curves of a machine on the scene's angle axis; angles [rad], volumes [m³], areas [m²], lengths [m]."""

@@ -28,12 +28,14 @@ from screwsim.effects.base import (
 )
 from screwsim.model.breakpoints import breakpoints
 from screwsim.model.composition import Composition, NumbersRecipe, StoredNumber
-from screwsim.model.numbers import fixed_numbers, operating
+from screwsim.model.numbers import SPAN, fixed_numbers, operating
 from screwsim.model.parts import Parts
+from screwsim.model.slots import P_OMEGA
 from screwsim.numerics.frozen import with_changes
 
 Array = np.ndarray
 
+BY_SPEED = ("omega", "tip_speed", SPAN)  # numbers of `operating` that follow from the mean speed
 # fields of a part that affect the text, besides the names of its numbers
 STRUCTURE: dict[type, Callable[[Any], Any]] = {
     FlowPath: attrgetter("to", "area", "offset", "opening", "narrow", "one_way", "beside", "port", "law"),
@@ -99,6 +101,15 @@ def operating_numbers(recipe: NumbersRecipe, parts: Parts) -> Array:
     P[: len(head)] = head
     P[recipe.places] = [named[name] for name in recipe.names]
     return P
+
+
+def set_speed(composition: Composition, parts: Parts, omega: float) -> None:
+    """Set the mean speed [rad/s] in P, and what kernels read of it, to another than that of the parts."""
+    recipe, named = composition.recipe, operating(with_changes(parts, omega=omega))
+    composition.P[P_OMEGA] = omega
+    for place, name in zip(recipe.places, recipe.names, strict=True):
+        if name in BY_SPEED:
+            composition.P[place] = named[name]
 
 
 def differ_in_numbers_only(parts: Parts, other: Parts) -> bool:

@@ -14,7 +14,7 @@ from screwsim.screen import say
 from screwsim.study.asked.inputs import shown_number, shown_value
 from screwsim.study.asked.spans import BORDER_MARKS, LOWER, UPPER, border_note, idle_note
 from screwsim.study.asked.varied import Varied, leaf_of
-from screwsim.study.best.optimum import Best, Question
+from screwsim.study.best.optimum import FROM, TO, Best, Question
 from screwsim.study.columns import Column, write_columns
 
 MOST_PLACES = 3  # points that a note names; of more it names the first
@@ -85,7 +85,8 @@ def _with_places(note: str, where: Sequence[str]) -> list[str]:
 
 def _notes(scene: Varied, asked: Question, row: Best) -> Iterator[str]:
     if row.place in (LOWER, UPPER):
-        yield border_note(row.place, row.beyond, " (--from)" if row.place == LOWER else " (--to)")
+        end = asked.ends[row.place == UPPER]
+        yield border_note(row.place, row.beyond, f" ({end})" if end in (FROM, TO) else f" ({end} of --path)")
     elif row.beyond:
         yield f"at the edge of the values that have a solution: {row.beyond}"
     if row.place == "anywhere":

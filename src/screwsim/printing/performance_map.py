@@ -10,6 +10,8 @@ from screwsim.printing import write_json
 from screwsim.printing.tables import print_scene_title, print_table, print_text
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder
+from screwsim.results.group import OWN
+from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.protection import protect_other_json
 from screwsim.results.warning_kinds import warning_kinds
 from screwsim.scene.units import ZERO_CELSIUS
@@ -25,6 +27,8 @@ from screwsim.study.maps.performance_map import (
     conditions,
     followers,
 )
+
+BY_INPUTS = ("by tolerances", "by_inputs")
 
 
 def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Any]:
@@ -52,12 +56,29 @@ def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
     print_text("left-out error: the largest error at a point of the fit to all others")
     if any(ELECTRICAL in each.fits for each in maps) and not any(SHAFT in each.fits for each in maps):
         print_text("power: electrical power (--figure shaft_power for the power at the shaft)")
+    if any(map(_by_inputs_known, maps)):
+        lost = left_out_words(_labels_left_out(results))
+        without = f"; {lost} at some points, so too small there" if lost else ""
+        print_text(f"by tolerances: half of the 95 % interval by the inputs' tolerances, mean over the points{without}")
     for each in maps:
         say()
         if each.values:
             print_text(place_in_words(each.values))
         _print_map(results, each)
     _print_warnings(results)
+
+
+def _by_inputs_known(one: PerformanceMap) -> bool:
+    return any(fit.by_inputs is not None for fit in one.fits.values())
+
+
+def _labels_left_out(results: Results) -> list[str]:
+    """Return the inputs that have no derivative at some point of the sweep."""
+    lost = parts_left_out(results)
+    if not lost.any():  # nor any inputs
+        return []
+    labels = results.contributions[OWN["contributions"]].tolist()
+    return [label for place, label in enumerate(labels) if lost[..., place].any()]
 
 
 def _print_warnings(results: Results) -> None:
@@ -77,9 +98,10 @@ def _print_map(results: Results, one: PerformanceMap) -> None:
         return
     fits = one.fits.values()
     rows = [[name, *(f"{fit.coefficients[i]:.9e}" for fit in fits)] for i, name in enumerate(COEFFICIENT_NAMES)]
-    for label, name in (("largest error", "largest"), ("rms error", "rms"), ("left-out error", "left_out")):
-        found = (getattr(fit, name) for fit in fits)
-        rows.append([label, *("" if value is None else f"{100.0 * value:.2g} %" for value in found)])
+    for label, name in (("largest error", "largest"), ("rms error", "rms"), ("left-out error", "left_out"), BY_INPUTS):
+        found = [getattr(fit, name) for fit in fits]
+        if name != BY_INPUTS[1] or _by_inputs_known(one):
+            rows.append([label, *("" if value is None else f"{100.0 * value:.2g} %" for value in found)])
     heads = ["", *(f"{shown_name(figure)} [{results.figure(figure).units}]" for figure in one.fits)]
     print_table(heads, rows, 1)
     corners = ", ".join(f"({S:g}, {D:g})" for S, D in one.envelope)
@@ -134,6 +156,9 @@ def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> 
             columns[name] = Column([fit.coefficients[number] for _, _, fit in rows], "1", name)
         for name in ("largest", "rms", "left_out"):
             columns[f"{name}_error"] = Column([getattr(fit, name) for _, _, fit in rows], "1", f"{name} relative error")
+        if any(map(_by_inputs_known, maps)):
+            told = "relative half of the 95 % interval by the inputs' tolerances, mean over the points"
+            columns[BY_INPUTS[1]] = Column([fit.by_inputs for _, _, fit in rows], "1", told)
         write_columns(path, "compressor map", columns)
         return
     make_folder(path.parent)

@@ -44,6 +44,7 @@ def plan_document(found: Plan) -> dict[str, Any]:
             for step in found.steps
         ],
         **picked(found, without_solution="reasons", nothing_delivered="idle"),
+        "without_derivative": dict(found.unsure),
         **picked(found, "solutions", failed_solutions="failed"),
     }
 
@@ -90,6 +91,8 @@ def _plan_notes(found: Plan) -> Iterator[str]:
         yield f"constrained so far by their bounds only: {', '.join(names[path] for path in found.even)}"
     if found.idle:
         yield f"not considered because nothing is delivered there: {'; '.join(found.idle)}"
+    if found.unsure:
+        yield f"warning: not considered, as an input has no derivative there: {'; '.join(found.unsure.values())}"
     if found.inputs:
         yield f"not known exactly, and not determined: {', '.join(found.inputs)}"
     yield from (f"warning: {text}" for text in not_included(found.left_out))

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -17,17 +18,19 @@ from screwsim.report.style import write_all
 from screwsim.results.atomic import write_csv
 from screwsim.results.protection import protect_other_heads
 from screwsim.scene import leaf_of
+from screwsim.scene.grid import unit_of
 from screwsim.screen import say
-from screwsim.study.asked.inputs import in_customary, shown_number, shown_value
+from screwsim.study.asked.inputs import in_customary, shown_number, shown_value, unit_of_change
 from screwsim.study.calibration.answers import LEVEL, Posterior, Predictions, PredictiveCheck
 from screwsim.study.calibration.fit import Fit
-from screwsim.study.calibration.other_inputs import other_inputs
+from screwsim.study.calibration.other_inputs import errors_by_inputs, other_inputs
 from screwsim.study.calibration.posterior import UNDETERMINED_SHARE
 from screwsim.study.calibration.solve import Calibration
 from screwsim.study.columns import Column, protect_other_columns, write_columns
 
 PREDICTIONS, WIDTH = "predictions of a calibration's posterior", "discrepancy_"
 SAMPLES, PREDICTED, PAIRS = "posterior.csv", "predicted.h5", "posterior"
+BESIDE = "± by other inputs"
 QUALITY = {"largest_emulator_error_over_uncertainty": "off", "solutions": "solutions", "failed_solutions": "failed"}
 _PARTS = {
     "median": "median of what would be measured",
@@ -73,12 +76,16 @@ def print_posterior(fit: Calibration, found: Posterior) -> None:
     if not found.parameters:
         return
     scene = fit.fit.scene
-    rows = []
-    for parameter in found.parameters:
+    rows, beside = [], _half_by_inputs(fit)
+    for index, parameter in enumerate(found.parameters):
         low, high = (shown_number(scene, parameter.name, value) for value in (parameter.low, parameter.high))
         share = "" if parameter.of_prior is None else f"{parameter.of_prior:.2f}"
-        rows.append([parameter.name, shown_value(scene, parameter.name, parameter.median, 4), f"{low} … {high}", share])
-    print_table(["posterior", "median", f"{LEVEL:.0%} interval", "of prior"], rows, 1)
+        row = [parameter.name, shown_value(scene, parameter.name, parameter.median, 4), f"{low} … {high}", share]
+        rows.append([*row, beside[index]] if beside else row)
+    print_table(["posterior", "median", f"{LEVEL:.0%} interval", "of prior", *[BESIDE] * bool(beside)], rows, 1)
+    if beside:
+        what = f"half of the {LEVEL:.0%} interval by the tolerances of inputs that are not fitted"
+        print_text(f"{BESIDE}: {what}, linear, on top of the interval before it (as the root of the sum of squares)")
     say()
     rows = [[shown_name(discrepancy.name), *_width(found, discrepancy.name)] for discrepancy in found.discrepancies]
     print_table(["model discrepancy", "median", f"up to ({(1 + LEVEL) / 2:.0%})"], rows, 1)
@@ -141,6 +148,19 @@ def write_predictions(fit: Fit, found: Predictions, folder: Path) -> list[str]:
     return [str(path)]
 
 
+def _half_by_inputs(fit: Calibration) -> list[str]:
+    """Return by parameter half of the interval by other inputs' tolerances; '' at a bound, nothing without any."""
+    if not fit.shifts:
+        return []
+    errors = errors_by_inputs(fit.shifts, len(fit.fit.parameters))
+    halves = NormalDist().inv_cdf(0.5 * (1.0 + LEVEL)) * np.array(errors)
+    found = []
+    for parameter, half in zip(fit.fit.parameters, halves.tolist(), strict=True):
+        per, unit = unit_of_change(fit.fit.scene, parameter.path, fit.values[parameter.path])
+        found.append(f"{per * half:.2g} {unit}".strip() if half else "")
+    return found
+
+
 def _width(found: Posterior, name: str) -> list[str]:
     """Return median and upper end of a discrepancy's width, relative to the figure; for temperatures in kelvin."""
     size = max(abs(each.measured) for each in found.predicted if each.figure == name)
@@ -191,13 +211,17 @@ def write_posterior(fit: Calibration, found: Posterior, folder: Path) -> list[st
     """Write the samples, one per row in SI units, the figure of pairs and the predictions; return the paths."""
     if found.samples is None or found.widths is None:
         return []
-    names = [parameter.path for parameter in fit.fit.parameters]
-    widths = [f"{WIDTH}{discrepancy.name} [{declared(discrepancy.name).units}]" for discrepancy in found.discrepancies]
+    names = [_head(parameter.path, unit_of(leaf_of(fit.fit.scene, parameter.path))) for parameter in fit.fit.parameters]
+    widths = [_head(f"{WIDTH}{each.name}", declared(each.name).units) for each in found.discrepancies]
     rows = ([*a, *b] for a, b in zip(found.samples.tolist(), found.widths.tolist(), strict=True))
     written = [write_csv(folder / SAMPLES, [*names, *widths], rows)]
     parameters = [_parameter_samples(fit, found, i) for i in range(len(names))]
     written += write_all({PAIRS: partial(pairs_figure, parameters, LEVEL)}, folder)
     return written if found.predictions is None else written + write_predictions(fit.fit, found.predictions, folder)
+
+
+def _head(name: str, units: str) -> str:
+    return name if units in ("1", "") else f"{name} [{units}]"
 
 
 def _parameter_samples(fit: Calibration, found: Posterior, number: int) -> ParameterSample:

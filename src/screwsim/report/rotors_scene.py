@@ -11,8 +11,8 @@ import numpy as np
 from screwsim.inputs.declare import plain
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
-from screwsim.machine.profile_law import Interface, LaidCurves, Table, laid_curves
-from screwsim.machine.protocol import END_GAP, GAPS
+from screwsim.machine.profile_law import Interface, LaidCurves, Table, laid_curves, sized_holes
+from screwsim.machine.protocol import BLOW_HOLE, END_GAP, GAPS
 from screwsim.machine.rotors import leakage
 from screwsim.machine.rotors.curves import Curve, closed_in
 from screwsim.machine.rotors.export import curve_csv
@@ -22,15 +22,20 @@ from screwsim.report.rotors_page import page
 from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.protection import protect_other_text
 from screwsim.scene import scene_text
-from screwsim.scene.types import Scene
+from screwsim.scene.types import ActiveEffect, Scene
 
 TABLE_WIDTH = 79  # line width of the table, for a terminal
 DEG = 180.0 / math.pi
 LISTED_RATIOS = (2.2, 2.6, 3.2, 4.0)  # built-in volume ratios whose angles are listed beside the scene's
 _SHOWN = {"m^2": (1e6, "mm²"), "m^3": (1e6, "cm³"), "rad": (DEG, "°"), "m": (1e3, "mm"), "1": (1.0, "")}
+OF_PROFILE = {  # key of an effect -> length of the profile that it takes by default
+    "female_diameter": "female_diameter",
+    "axis_distance": "centre_distance",
+}
 _TABLE_NOTE = """\
 # Written by `screwsim rotors`: the machine as tables, in place of its profile. A table of an effect holds one path, so
-# the contact line to the chamber z1 pitches behind is included, and the end face is not.
+# the contact line to the chamber z1 pitches behind is included; its part over the male tip, which leads to another
+# chamber, and the end face are not, so that the machine leaks less than with its profile.
 """
 
 
@@ -135,14 +140,17 @@ def table_files(scene: Scene, folder: Path) -> dict[str, str]:
         "suction_port.csv": _csv(laid.suction, "m^2"),
         "discharge_port.csv": _csv(laid.discharge, "m^2"),
     }
-    effects = dict(scene.effects)
-    for name, active in scene.effects.items():
+    effects = _with_own_lengths(scene)
+    for name, active in effects.copy().items():
         gap = next(iter(active.effect.needs.intersection(GAPS)), None)
         if gap == END_GAP:
             effects.pop(name)
         elif gap is not None:
-            files[f"{name}.csv"] = _path_csv(laid.interfaces[gap], getattr(active.parameters, "gap", None))
             changes: dict[str, Any] = {"area_file": str(folder.resolve() / f"{name}.csv")}
+            paths = laid.interfaces[gap]
+            if gap == BLOW_HOLE:
+                paths, changes["area"] = sized_holes(paths, active.parameters.area), None
+            files[f"{name}.csv"] = _path_csv(paths, getattr(active.parameters, "gap", None))
             effects[name] = replace(active, parameters=replace(active.parameters, **changes))
     if laid.slot is not None and "slide_valve" in effects:
         files["slide_valve.csv"] = _csv(laid.slot, "m^2")
@@ -151,6 +159,20 @@ def table_files(scene: Scene, folder: Path) -> dict[str, str]:
     machine = _tabled_curves(scene, laid, folder.resolve())
     tabled = replace(scene, machine=machine, effects=effects, sweep={}, folder=str(folder.resolve()))
     return {**files, "scene.yaml": _TABLE_NOTE + scene_text(tabled)}
+
+
+def _with_own_lengths(scene: Scene) -> dict[str, ActiveEffect]:
+    """Return the effects of a scene with the lengths that they take from its profile, where they state none."""
+    found, profile = dict(scene.effects), twin_screw(scene.machine).profile
+    for name, active in scene.effects.items():
+        own = {
+            key: plain(getattr(profile, length))
+            for key, length in OF_PROFILE.items()
+            if getattr(active.parameters, key, 0.0) is None
+        }
+        if own:
+            found[name] = replace(active, parameters=replace(active.parameters, **own))
+    return found
 
 
 def _csv(table: Table, unit: str) -> str:

@@ -79,6 +79,13 @@ def _oil_with_gas(scene: Scene) -> Iterator[Fault]:
             yield Fault(f"oil_supply.{name}", f"needs machine.mode: compressor ({comes}: {remedy})")
     if scene.oil is not None and not scene.oil.carried:
         yield Fault("oil.transport", f"needs machine.mode: compressor ({comes}: write transport: carried)")
+    cooling, pumps = _cooling(scene), having(PUMPS)
+    if cooling is not None and not any(pump.removeprefix("effects.") in scene.effects for pump in pumps):
+        what = f"lies behind an expander's outlet, and nothing lifts its oil to the inlet (name {' or '.join(pumps)})"
+        yield Fault(f"effects.{cooling[0]}", what)
+    if cooling is not None and supply.from_sump:
+        what = f"effects.{cooling[0]}, from which the oil comes, lies behind an expander's outlet"
+        yield Fault("oil_supply.source", f"{what} (write source: separator)")
 
 
 def oil_faults(scene: Scene) -> Iterator[Fault]:
@@ -120,8 +127,8 @@ def _oil_supply(scene: Scene) -> Iterator[Fault]:
     if scene.oil is None:
         yield Fault("oil", "is missing (oil_supply needs it: write density and heat_capacity, or remove oil_supply)")
     if supply.temperature is None and _cooling(scene) is None:
-        finds = "" if scene.machine.expands else f", or name effects.{stating(CoolsOil)}, which finds it"
-        yield Fault("oil_supply.temperature", f"is missing (write e.g. temperature: 325 K{finds})")
+        remedy = f"write e.g. temperature: 325 K, or name effects.{stating(CoolsOil)}, which finds it"
+        yield Fault("oil_supply.temperature", f"is missing ({remedy})")
     if not scene.machine.expands or (supply.pumped and supply.discharge_temperature is None):  # else: `_oil_with_gas`
         yield from _pump(scene) if supply.pumped else _displacement(scene)
 

@@ -1,7 +1,7 @@
 """The grid of a sweep: its dimensions, and its cases, made on demand; the last dimension varies fastest."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from typing import Any, NamedTuple, Protocol, TypeVar
 
 from screwsim.inputs.faults import UsageError
@@ -82,6 +82,11 @@ def with_sweep_over(scene: HasSweep, paths: Iterable[str]) -> HasSweep:
     sweep = {path: values for path, values in scene.sweep.items() if path in kept}
     cut = with_changes(scene, sweep=sweep)
     return with_changes(cut, joints=joints_of(cut))
+
+
+def without_axes(scene: HasSweep, paths: Container[str]) -> HasSweep:
+    """Return a scene, or two in series, with the axes of its sweep other than the given paths."""
+    return with_sweep_over(scene, [path for path in scene.sweep if path not in paths])
 
 
 def case_count(scene: Swept) -> int:

@@ -11,13 +11,22 @@ from typing import Any
 
 from screwsim.inputs.suggestions import nearest
 from screwsim.outputs.customary import RPM
+from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, child_of
 
 BLOCK, MODEL = "uncertainty", "model"
 FILE = "model_errors.json"
-SPEED, RATIO = "operation.speed", "pressure_ratio"
-CONDITION_WORDS = {"machine.kind": "machine", "gas.fluid": "fluid", SPEED: "speed", RATIO: "pressure ratio"}
+SPEED, RATIO, SIZE = "operation.speed", "pressure_ratio", "displacement"
+TEMPERATURES = ("evaporating_temperature", "condensing_temperature")
+CONDITION_WORDS = {
+    "machine.kind": "machine",
+    "gas.fluid": "fluid",
+    SIZE: "displacement per revolution",
+    SPEED: "speed",
+    RATIO: "pressure ratio",
+    **{name: name.replace("_", " ") for name in TEMPERATURES},
+}
 
 
 @cache
@@ -52,4 +61,8 @@ def range_text(known: Mapping[str, Any]) -> str:
 
 def shown_condition(name: str, value: float) -> str:
     """Return a condition [SI] as people write it."""
+    if name in TEMPERATURES:
+        return f"{round(value - ZERO_CELSIUS, 1) + 0.0:g} °C"
+    if name == SIZE:
+        return f"{1e6 * value:.4g} cm³"
     return f"{value / RPM:.4g} rpm" if name == SPEED else f"{value:.3g}"

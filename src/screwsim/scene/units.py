@@ -247,7 +247,12 @@ def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
     if kind.name == "temperature" and unit.startswith("delta_"):
         raise Refused(f"{shown} is a difference, not a temperature (write e.g. '{kind.example}' or '12 degC')")
     if kind.name == "temperature_difference" and _has_zero(kind, tidy_unit(unit)):
-        raise Refused(f"{shown} is a temperature, not a difference (write kelvin, e.g. '{kind.example}')")
+        raise not_a_difference(shown)
+
+
+def not_a_difference(shown: str) -> Refused:
+    """Return the refusal of a difference or tolerance of temperature in a unit with a zero of its own."""
+    return Refused(f"{shown} is a temperature, not a difference (write K or delta_degF, e.g. '10 K')")
 
 
 def _from_table(kind: Kind, number: float, unit: str) -> float | None:

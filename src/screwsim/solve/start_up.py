@@ -23,8 +23,10 @@ from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.machine.drive.run_up import Motion, run_up
 from screwsim.machine.drive.train import Train
 from screwsim.model import compiled, leases, speed
+from screwsim.model.renumbering import set_speed
 from screwsim.model.run import Machinery
-from screwsim.model.slots import P_OMEGA, Q_WORK, R_SUCTION
+from screwsim.model.slots import Q_WORK, R_SUCTION
+from screwsim.numerics.parabola import top, vertex
 from screwsim.outputs import Figures
 from screwsim.outputs.customary import RPM
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
@@ -191,7 +193,7 @@ class StartUpRun:
         mean = _mean(motion, pitch)
         at = composition.speed_curve
         assert at is not None  # the scene has a drive
-        composition.P[P_OMEGA] = mean
+        set_speed(composition, problem.parts, mean)
         speed.put(composition.P, at, speed.curve_of(motion.squares / mean**2, motion.slopes / mean**2, pitch))
         y = self.chambers.copy()
         status, angle, _, q = machinery.pitch(y, problem.criteria.rtol, STEP, END_MARGIN)
@@ -292,7 +294,7 @@ class StartUpRun:
         losses = sum(each.loss_torque for each in whole) * self.train.pitch
         end = whole[-1].motion if whole else m
         stored = self.train.stored(float(end.speed[-1]), float(end.motor_speed[-1]), float(end.twist[-1])) - self.begins
-        highest = int(np.argmax(np.abs(traces["coupling_torque"])))
+        peak, peak_time = _peak(np.abs(traces["coupling_torque"]), traces["time"])
         steady = float(np.mean(self.steady.coupling_torque))
         residual = motor - damped - gas - losses - stored
         energy = {"motor_work": motor, "gas_work": gas, "loss_work": losses, "coupling_work": damped, "stored": stored}
@@ -301,13 +303,13 @@ class StartUpRun:
             turns=float(traces["angle"][-1]) / (2.0 * math.pi),
             end_speed=float(m.speed[-1]),
             steady_speed=self.steady.mean_speed,
-            coupling_torque_peak=float(abs(traces["coupling_torque"][highest])),
-            coupling_torque_peak_time=float(traces["time"][highest]),
-            coupling_torque_lowest=float(traces["coupling_torque"].min()),
+            coupling_torque_peak=peak,
+            coupling_torque_peak_time=peak_time,
+            coupling_torque_lowest=-_peak(-traces["coupling_torque"], traces["time"])[0],
             coupling_torque_steady=steady,
-            peak_over_steady=float(abs(traces["coupling_torque"][highest])) / abs(steady) if steady else None,
-            twist_peak=float(np.max(np.abs(traces["twist"]))),
-            motor_torque_peak=float(np.max(np.abs(traces["motor_torque"]))),
+            peak_over_steady=peak / abs(steady) if steady else None,
+            twist_peak=_peak(np.abs(traces["twist"]), traces["time"])[0],
+            motor_torque_peak=min(_peak(np.abs(traces["motor_torque"]), traces["time"])[0], self.train.motor.most),
             **(energy if whole else dict.fromkeys(energy)),  # unknown for a pitch in which the rotors stop
             residue=abs(residual) / max(abs(motor), abs(gas) + abs(losses)) if whole else None,
             unsettled=float(sum(not each.settled for each in self.pitches)),
@@ -317,6 +319,18 @@ class StartUpRun:
 def _mean(motion: Motion, pitch: float) -> float:
     """Return the mean speed while the rotors turn [rad/s]."""
     return pitch / (float(motion.time[-1] - motion.time[0]) - motion.held)
+
+
+def _peak(curve: Array, time: Array) -> tuple[float, float]:
+    """Return the highest value of a curve and its time, by the parabola through it and its neighbours.
+
+    At an end, and on a plateau as at the motor's limit, it is the highest point.
+    """
+    i = int(np.argmax(curve))
+    if not 0 < i < len(curve) - 1 or not curve[i - 1] < curve[i] > curve[i + 1]:
+        return float(curve[i]), float(time[i])
+    around = tuple(map(float, curve[i - 1 : i + 2]))
+    return top(*around), float(np.interp(i + float(vertex(*around)), (i - 1, i, i + 1), time[i - 1 : i + 2]))
 
 
 def _traces(pitches: list[StartUpPitch], pitch: float) -> dict[str, Array]:

@@ -123,15 +123,15 @@ def _between(parameters, area, values, slides, **others) -> FlowPath:
     return FlowPath(NEIGHBOUR, area, values, flow_coefficient=coefficient, resistance=held, **others)
 
 
-def profile_paths(parameters, interfaces, gap=None, factor=1.0, slides=None) -> list[FlowPath]:
-    """Return a gap's flow paths from the rotor profile: clearance [m] times length, or area (gap None) times factor.
+def profile_paths(parameters, interfaces, gap=None, slides=None) -> list[FlowPath]:
+    """Return a gap's flow paths from the rotor profile: clearance [m] times length, or area (gap None).
 
     `slides` is as for `gap_path`, and applies to the gaps across a lobe.
     """
     area, values = (table_area, {}) if gap is None else (length_area, {"gap": gap})
     found = []
     for each in interfaces:
-        tables = {"curve": each.table.times(factor).curve}
+        tables = {"curve": each.table.curve}
         own, over = {"own_breakpoints": each.table.breakpoints}, slides if each.offset == 1 else None
         found.append(_between(parameters, area, values, over, offset=each.offset, tables=tables, **own))
     return found

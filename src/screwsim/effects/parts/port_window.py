@@ -3,9 +3,10 @@
 Source: ours; docs/model.md M100.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import pi
+from typing import Any
 
 from screwsim.effects.base import FlowPath
 from screwsim.effects.parts.gap import ramp
@@ -15,6 +16,7 @@ from screwsim.numerics.kernel import kernel
 
 DEGREE = pi / 180.0
 RAMP = 10.0 * DEGREE
+LOST_TOO_MUCH = 0.005  # of the shaft power: heat lost with gas pushed back through a port, above which is warned
 
 
 @dataclass(frozen=True)
@@ -60,3 +62,11 @@ class CheckWithin:
         if parameters.closes > geometry.life + 1e-9:
             what = f"lies beyond the chamber's life of {geometry.life / DEGREE:.6g} deg (choose an earlier angle)"
             yield Fault(f"effects.{self.name}.closes", what)
+
+
+def lost_by_backflow(found: Mapping[str, Any], figure: str, into: str, remedy: str = "") -> Iterator[str]:
+    """Yield a warning where gas that chambers push back through a port loses much heat [W], a figure of that name."""
+    loss, power = found.get(figure) or 0.0, abs(found.get("shaft_power") or 0.0)
+    if loss > LOST_TOO_MUCH * power > 0.0:
+        what = f"gas that chambers push back into {into} loses {loss:.3g} W there, {100.0 * loss / power:.2g} %"
+        yield f"{what} of the shaft power (close the port earlier{remedy})"

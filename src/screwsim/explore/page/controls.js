@@ -2,6 +2,8 @@
 
 const TYPES = 250; // [ms] after which a number that is typed is whole
 
+const FITS = 8; // characters in the field of a number
+
 let built = []; // {control, effect, row, field, range, select}
 let byPath = new Map();
 let typing = 0; // timer of a number that is being typed,
@@ -154,7 +156,7 @@ function fillRow(entry, by) {
     return;
   }
   const value = changedHere ? asNumber(control, settings.set[control.path]) : control.value;
-  if (entry.field !== by) entry.field.value = value === null || Number.isNaN(value) ? "" : String(value);
+  if (entry.field !== by) showNumber(entry.field, value);
   if (value !== null && (value < control.low || value > control.high)) {
     control.low = Math.min(control.low, value);
     control.high = Math.max(control.high, value);
@@ -162,6 +164,23 @@ function fillRow(entry, by) {
   }
   if (entry.range !== by) entry.range.value = String(value === null ? placeOf(control, control.low) : placeOf(control, value));
   entry.range.setAttribute("aria-valuetext", value === null ? "not set" : `${value} ${control.unit}`);
+}
+
+// A number in its field: of a long one so many digits as fit, and all of them in its title.
+function showNumber(field, value) {
+  const text = value === null || Number.isNaN(value) ? "" : String(value);
+  field.value = text.length > FITS ? shortest(value) : text;
+  field.title = field.value === text ? "" : text;
+}
+
+// The most digits that fit, with a power of ten where that leaves more of them.
+function shortest(value) {
+  for (let digits = FITS; digits > 1; digits -= 1) {
+    const fixed = String(Number(value.toPrecision(digits)));
+    const found = [fixed, value.toExponential(digits - 1).replace("e+", "e")].find((text) => text.length <= FITS);
+    if (found) return found;
+  }
+  return value.toExponential(0).replace("e+", "e");
 }
 
 // Which field a fault is about, and all others are not.

@@ -17,7 +17,7 @@ from screwsim.machine.drive import collocation
 from screwsim.machine.drive.collocation import POINTS, motion, residual, sizes
 from screwsim.machine.drive.train import Train
 from screwsim.numerics.anderson import Anderson
-from screwsim.numerics.parabola import vertex
+from screwsim.numerics.parabola import top
 
 Array = np.ndarray
 MOST_STEPS = 10  # most Newton steps at one level of pulsation
@@ -75,7 +75,7 @@ def _top(fine: Array) -> float:
     """Return the top of the parabola through the highest of a period's evenly spaced values and its neighbours."""
     i = int(fine.argmax())
     before, most, after = fine[np.array([i - 1, i, i + 1]) % len(fine)]
-    return float(most - 0.25 * (before - after) * vertex(before, most, after))
+    return top(before, most, after)
 
 
 def peak_to_peak(curve: Array) -> float:

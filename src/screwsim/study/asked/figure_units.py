@@ -8,7 +8,7 @@ from screwsim.inputs.declare import KINDS, Kind
 from screwsim.outputs.customary import RPM
 from screwsim.outputs.display import si_unit
 from screwsim.outputs.us_units import CFM, HORSEPOWER, POUND
-from screwsim.scene.units import Refused, likely_unit, parse_quantity, refuse_traps, tidy_unit
+from screwsim.scene.units import Refused, likely_unit, not_a_difference, parse_quantity, refuse_traps, tidy_unit
 from screwsim.scene.values import shown
 
 # SI unit of a figure -> {unit: factor}; degrees Celsius are handled separately
@@ -64,9 +64,10 @@ def quantity_of(figure: str, kind: str, unit: str) -> Kind | None:
     if wanted and _is_unit_of(wanted[0], unit):
         return wanted[0]
     if differences and wanted[:1] == differences[:1] and _is_unit_of(absolute[0], unit):
+        if si == "K":
+            raise not_a_difference(f"unit {shown(unit)}")
         what = "an uncertainty" if kind == "uncertainty" else "a difference"
-        units = "K or delta_degF" if si == "K" else si
-        raise Refused(f"unit {shown(unit)} has an offset zero, and this is {what} (write {units})")
+        raise Refused(f"unit {shown(unit)} has an offset zero, and this is {what} (write {si})")
     for named in wanted:
         refuse_traps(named, unit, f"unit {shown(unit)}")
         if meant := likely_unit(named, unit):

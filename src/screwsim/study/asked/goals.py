@@ -69,10 +69,7 @@ def _split_condition(scene: Varied, text: str, option: str, signs: str, example:
 
 def of_ambient(scene: Varied) -> float | None:
     """Return the ambient pressure [Pa] over which gauge pressures are read; None where two stages have two of them."""
-    if isinstance(scene, Scene):
-        return scene.operation.ambient_pressure
-    of_stages = {stage.operation.ambient_pressure for stage in scene.by_stage.values()}
-    return of_stages.pop() if len(of_stages) == 1 else None
+    return scene.operation.ambient_pressure if isinstance(scene, Scene) else scene.ambient_pressure
 
 
 def read_figure(figure: str, text: str, where: str, kind: str = "figure") -> float:

@@ -1,13 +1,15 @@
 """Inputs that a study varies: read as people write them, checked, and shown in customary units."""
 
 import re
+from collections.abc import Mapping
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import Scene
+from screwsim.scene.grid import without_axes
 from screwsim.scene.units import NUMBER, ZERO_CELSIUS, customary_unit, to_customary
-from screwsim.study.asked.varied import Varied, faults_of, leaf_of, read_value, with_values
+from screwsim.study.asked.varied import Kind, Varied, case, faults_of, leaf_of, read_value, with_values
 
 CELSIUS = "°C"
 # kinds without a range of values
@@ -67,13 +69,23 @@ def unit_behind(text: str) -> str:
     return match[1].strip() if match else ""
 
 
-def check_fit(scene: Varied, values: dict[str, Any], where: str) -> None:
+def check_fit(scene: Varied, values: Mapping[str, Any], where: str) -> None:
     """Raise UsageError with the first fault when values do not fit into a scene, behind `where` if they cause it."""
     faults = faults_of(with_values(scene, values))
     if faults:
         text = str(faults[0])
         theirs = not text.startswith(f"{where}: ") and text not in map(str, faults_of(scene))
         raise UsageError(f"{where}: {text}" if theirs else text)
+
+
+def over_other_axes(scene: Kind, values: Mapping[str, Any]) -> Kind:
+    """Return a scene with the axes of its sweep other than these paths, which a study varies.
+
+    Raise UsageError where the values [SI] do not fit into its first point.
+    """
+    rest = without_axes(scene, values)
+    check_fit(case(rest, 0), values, ", ".join(values))
+    return rest
 
 
 def shown_value(scene: Varied, path: str, value: Any, digits: int = 5) -> str:

@@ -9,9 +9,15 @@ from typing import Any
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, case_count, case_values
-from screwsim.scene.grid import with_sweep_over
 from screwsim.study.asked.figures import figure_of
-from screwsim.study.asked.inputs import check_continuous, check_fit, ends_of, read_text, shown_range, usual_efficiency
+from screwsim.study.asked.inputs import (
+    check_continuous,
+    ends_of,
+    over_other_axes,
+    read_text,
+    shown_range,
+    usual_efficiency,
+)
 from screwsim.study.asked.spans import LOWER, UPPER, Span, refusal_beyond
 from screwsim.study.asked.varied import Varied, accuracy_of, case, with_accuracy, with_values
 from screwsim.study.best.search import COARSE_POINTS, Maximum, SearchPoint, find_maximum
@@ -21,6 +27,7 @@ from screwsim.study.pool.solving import Simulate, absolute_error, simulated_if_v
 from screwsim.study.pool.workers import WORKER_DIED
 
 OIL_RATIO, OIL_RANGE = "oil_supply.ratio", (0.1, 10.0)  # range where nothing states one
+FROM, TO = "--from", "--to"
 INSENSITIVE_SHARE = 0.9  # of the range: where the figure is the same over more than this, the path hardly affects it
 CERTAIN = 0.01  # of the range: wanted certainty of the place, each way
 NEAR = 2e-4  # of the range: distance from its end that counts as at the end
@@ -29,10 +36,14 @@ TIGHTER, TIGHTEST = 0.1, 1e-6  # of numerics.accuracy, and least accuracy, where
 
 @dataclass(frozen=True, kw_only=True)
 class Question(Span):
-    """The question: the best `figure` over a path between two values [SI]."""
+    """The question: the best `figure` over a path between two values [SI].
+
+    `ends` are the words by which the command is told the ends of the range.
+    """
 
     figure: str
     minimum: bool = False
+    ends: tuple[str, str] = (FROM, TO)
 
 
 @dataclass(frozen=True)
@@ -77,7 +88,7 @@ def question(
 
     The range may follow the path: `oil_supply.ratio=0.5..4`. The default figure is `usual_efficiency`.
     """
-    lower = "LOW must be below HIGH" if "=" in path else "--from must be below --to"
+    words = ("LOW", "HIGH") if "=" in path else (FROM, TO)
     path, first, last = _with_range(path, first, last)
     if path == OIL_RATIO and not isinstance(scene, Scene):
         example = "--path 'second.operation.speed=1000 rpm..2000 rpm'"
@@ -96,8 +107,9 @@ def question(
     texts = ((first, min), (last, max))
     ends = [choose(axis) if text is None else read_text(scene, path, text) for text, choose in texts]
     if not ends[0] < ends[1]:
+        lower = f"{words[0]} must be below {words[1]}"
         raise UsageError(f"{path}: the range {shown_range(scene, path, *ends)} is empty ({lower})")
-    return Question(path, *ends, figure=figure, minimum=minimum)
+    return Question(path, *ends, figure=figure, minimum=minimum, ends=words)
 
 
 def _with_range(text: str, first: str | None, last: str | None) -> tuple[str, str | None, str | None]:
@@ -109,7 +121,7 @@ def _with_range(text: str, first: str | None, last: str | None) -> tuple[str, st
     if both is None:
         raise UsageError(f"{text}: is not PATH=LOW..HIGH (write e.g. 'oil_supply.ratio=0.5..4')")
     if first is not None or last is not None:
-        raise UsageError(f"{text}: states its range (remove --from and --to)")
+        raise UsageError(f"{text}: states its range (remove {FROM} and {TO})")
     return path, *both
 
 
@@ -122,9 +134,8 @@ def optimum(
     progress: Progress | None = None,
 ) -> list[Best]:
     """Return the best value for each point of the scene's axes other than the path (one point without axes)."""
-    rest = with_sweep_over(scene, [path for path in scene.sweep if path != asked.path])
     middle = {asked.path: asked.value(0.5)}
-    check_fit(case(rest, 0), middle, asked.path)
+    rest = over_other_axes(scene, middle)
     count = case_count(rest)
     simulate = simulate or simulator(with_values(case(rest, 0), middle) if count > 1 else None)
     return parallel_map(

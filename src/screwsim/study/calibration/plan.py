@@ -94,6 +94,7 @@ class Plan:
     solutions: int = 0
     failed: int = 0
     idle: tuple[str, ...] = ()
+    unsure: Mapping[str, str] = field(default_factory=dict)  # candidates at which an input has no derivative, and why
 
 
 class PointInformation(NamedTuple):
@@ -112,6 +113,11 @@ class PointInformation(NamedTuple):
         """Return the information on parameters and groups of inputs (unknowns, unknowns)."""
         rows = np.column_stack([self.slopes, *self.shifts.of(groups)])
         return rows.T @ rows
+
+    def lacking(self, groups: Sequence[Group]) -> str:
+        """Return the first of these inputs that has no derivative here, and why; '' for none."""
+        why = self.shifts.left_out
+        return next((f"{path}: {why[path]}" for group in groups for path in group if path in why), "")
 
 
 def candidates_of(
@@ -184,12 +190,13 @@ def plan(
     pairs = list(zip(points, answers, strict=True))
     if fault := next((f"{point.name}: {answer.odd}" for point, answer in pairs if answer.odd), ""):
         raise UsageError(fault)
-    groups, left_out = known_everywhere(groups, (answer.shifts for answer in answers))
+    solved = [(point, answer) for point, answer in pairs[len(measured) :] if not answer.why]
+    delivering = [(point, answer) for point, answer in solved if not answer.idle]
+    groups, left_out, unsure = _known_groups(groups, answers[: len(measured)], delivering)
+    delivering = [(point, answer) for point, answer in delivering if point.name not in unsure]
     known, even = _prior_information(fit, asked.scene, values, len(groups))
     measured_too = (answer.information(groups) for answer in answers[: len(measured)] if not answer.why)
     known += sum(measured_too, 0.0 * known)
-    solved = [(point, answer) for point, answer in pairs[len(measured) :] if not answer.why]
-    delivering = [(point, answer) for point, answer in solved if not answer.idle]
     reasons = {point.name: answer.why for point, answer in pairs if answer.why}
     message = f"{len(reasons)} of {len(points)} points have no solution" if reasons else ""
     found = Plan(
@@ -199,6 +206,7 @@ def plan(
         values,
         len(candidates),
         left_out=left_out,
+        unsure=unsure,
         reasons=reasons,
         solutions=sum(answer.solutions for answer in answers),
         failed=sum(answer.failed for answer in answers),
@@ -212,6 +220,21 @@ def plan(
     before, steps = _planned(fit, values, known, picked)
     inputs, idle = (" + ".join(group) for group in groups), (point.name for point, answer in solved if answer.idle)
     return replace(found, before=before, steps=steps, even=even, inputs=tuple(inputs), idle=tuple(idle))
+
+
+def _known_groups(
+    groups: Sequence[Group], measured: Sequence[PointInformation], candidates: Sequence[tuple[Point, PointInformation]]
+) -> tuple[tuple[Group, ...], dict[str, str], dict[str, str]]:
+    """Return the groups of inputs known at what is measured, those left out, and the candidates without one of them.
+
+    A candidate without an input's derivative would tell too much. Where each lacks one, the inputs are left out.
+    """
+    known, left_out = known_everywhere(groups, (answer.shifts for answer in measured))
+    unsure = {point.name: why for point, answer in candidates if (why := answer.lacking(known))}
+    if len(unsure) < len(candidates):
+        return known, left_out, unsure
+    every = (*measured, *(answer for _, answer in candidates))
+    return *known_everywhere(groups, (answer.shifts for answer in every)), {}
 
 
 def _planned(

@@ -30,10 +30,15 @@ EFFICIENCY = "package_isentropic_efficiency"
 
 
 class Point(NamedTuple):
-    """A point of the sheet: speed [rad/s] and result."""
+    """A point of the sheet: speed [rad/s], as set, and result."""
 
     speed: float
     result: Result
+
+    @property
+    def rotor_speed(self) -> float:
+        """Speed of the rotors [rad/s]: as set, or what a motor on the mains reaches."""
+        return float(self.result.performance.get("mean_speed") or self.speed)
 
     @property
     def flow(self) -> float:

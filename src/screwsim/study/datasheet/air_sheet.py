@@ -64,7 +64,7 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
 
 def _named_points(rated: Rating) -> list[tuple[str, Result]]:
     """Return the results of all points with their names, that of full flow first."""
-    named = [(f"{point.speed / RPM:.0f} rpm", point.result) for point in rated.points]
+    named = [(f"{point.rotor_speed / RPM:.0f} rpm", point.result) for point in rated.points]
     return named if rated.unloaded is None else [*named, ("zero flow", rated.unloaded.result)]
 
 
@@ -87,7 +87,7 @@ def _percent(share: float, digits: int = 0) -> str:
 
 def point_row(point: Point, full: Point, units: Units = METRIC) -> list[str]:
     """Return the cells of a point of the sheet, under `HEADS` or `US_HEADS`."""
-    speed = f"{point.speed / RPM:.0f}"
+    speed = f"{point.rotor_speed / RPM:.0f}"
     if not point.flow > 0.0:
         return [speed, point.result.status.replace("_", " "), *[""] * (len(HEADS) - 2)]
     found = point.result.performance
@@ -204,7 +204,7 @@ def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
     yield from inlet_note(scene)
     if scene.gas.relative_humidity:
         yield HUMID_FIGURES
-    yield from point_notes([(f"{point.speed / RPM:.0f} rpm", point) for point in points])
+    yield from point_notes([(f"{point.rotor_speed / RPM:.0f} rpm", point) for point in points])
     yield DISCLAIMER
 
 
@@ -222,7 +222,7 @@ def point_notes(points: Sequence[tuple[str, Point]]) -> Iterator[str]:
 
 
 def _figures(point: Point) -> dict[str, Any]:
-    return {"speed": point.speed, **document_figures(point.result, DOCUMENT_FIGURES)}
+    return {"speed": point.rotor_speed, **document_figures(point.result, DOCUMENT_FIGURES)}
 
 
 def _document(scene: Scene, rated: Rating) -> dict[str, Any]:

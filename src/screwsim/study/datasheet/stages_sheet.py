@@ -214,7 +214,7 @@ def each_stage_table(found: ChainResult, title: str, units: Units = METRIC) -> I
         return
     figures = [each.performance for each in found.stages]
     loads = [_motor_load(scene, each) for scene, each in zip(found.scenes, found.stages, strict=True)]
-    rows = [["speed [rpm]", *(f"{scene.operation.speed / RPM:.0f}" for scene in found.scenes)]]
+    rows = [["speed [rpm]", *(f"{tables.rotor_speed(each) / RPM:.0f}" for each in figures)]]
     for column in (in_units(each, units) for each in EACH_STAGE):
         if any(column.figure in each for each in figures):
             rows.append([column.title, *(column.cell(each) for each in figures)])
@@ -274,7 +274,7 @@ def swept_line(found: ChainResult, units: Units = METRIC) -> Lines:
     """Yield the swept volume and the speed of each stage."""
     if len(found.scenes) == len(found.stages) and found.stages:
         swept = (units.quantity("m3 s-1", each.performance["displacement_flow"]) for each in found.stages)
-        speeds = (f"{scene.operation.speed / RPM:.4g} rpm" for scene in found.scenes)
+        speeds = (f"{tables.rotor_speed(each.performance) / RPM:.4g} rpm" for each in found.stages)
         parts = zip(STAGE_NAMES, swept, speeds, strict=True)
         yield "stages", ", ".join(f"{name} {volume} swept at {speed}" for name, volume, speed in parts)
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from screwsim.figures.engineering import shown_name
+from screwsim.machine.settings import TURN
 from screwsim.outputs import Result
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
@@ -252,9 +253,14 @@ def _best_ratio(step: LoadStep, names: Sequence[str]) -> dict[str, Any]:
 
 def machine_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) -> Lines:
     """Yield the displacement of the machine, and its speed."""
-    speed = shown_value(scene, "operation.speed", scene.operation.speed)
     if found:
+        speed = shown_value(scene, SPEED_PATH, rotor_speed(found))
         yield "machine", f"{units.quantity('m3 s-1', found['displacement_flow'])} swept at {speed}"
+
+
+def rotor_speed(found: Mapping[str, Any]) -> float:
+    """Return the speed [rad/s] at which a machine's figures hold, where its motor's line determines it, too (M214)."""
+    return TURN * float(found["displacement_flow"]) / float(found["displacement"])
 
 
 def power_lines(scene: Scene, found: Mapping[str, Any], units: Units = METRIC, gives: bool = False) -> Lines:
@@ -282,6 +288,8 @@ def oil_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) -> L
         heat = "what warms it again" if scene.machine.expands else "the duty of its cooler"
         where = "" if scene.machine.expands else " (effects.separator)"
         yield "oil", f"{text}; {heat} is not simulated{where}"
+    elif duty < 0.0:
+        yield "oil", f"{text}; {-factor * duty:.1f} {unit} warm it again"
     else:
         yield "oil", f"{text}; its cooler takes {factor * duty:.1f} {unit}" if cooled else f"{text}; no cooler"
 

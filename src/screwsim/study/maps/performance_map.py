@@ -7,7 +7,7 @@ condensing temperature in °C, and X in SI units.
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,7 @@ import numpy as np
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results
 from screwsim.scene.operation import CONDENSING, EVAPORATING, QUALITY, SUBCOOLING, SUPERHEAT, SUPERHEAT_S
+from screwsim.scene.types import COVERAGE
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.asked.figures import figure_named
 from screwsim.study.stages.axes import names_of
@@ -36,12 +37,15 @@ class PolynomialFit:
     """Coefficients of one figure, and its errors over the points, relative to their values.
 
     `left_out` is the largest error at a point when it is left out of the fit; None where too few points remain.
+    `by_inputs` is half of the 95 % interval by the tolerances of the inputs, the mean over the points; None without
+    tolerances.
     """
 
     coefficients: tuple[float, ...]
     largest: float
     rms: float
     left_out: float | None
+    by_inputs: float | None = None
 
     def in_fahrenheit(self, factor: float) -> tuple[float, ...]:
         """Return the coefficients for °F from those for °C, for the figure times a factor."""
@@ -176,8 +180,20 @@ def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], ca
             "them over both temperatures, not along a line)"
         )
         return PerformanceMap(values, message, len(S), not_ok, design.condition)
-    fits = {figure: design.fit(column[good]) for figure, column in columns.items()}
+    fits = {
+        figure: replace(design.fit(column[good]), by_inputs=_by_inputs(results, figure, cases[good], column[good]))
+        for figure, column in columns.items()
+    }
     return PerformanceMap(values, "", len(S), not_ok, design.condition, _convex_hull(S, D), fits)
+
+
+def _by_inputs(results: Results, figure: str, cases: Array, values: Array) -> float | None:
+    """Return the mean over cases of half of a figure's 95 % interval by the inputs, relative; None where unknown."""
+    if figure not in results.uncertainty:
+        return None
+    shares = COVERAGE * results.uncertainty[figure].ravel()[cases] / np.abs(values)
+    known = shares[np.isfinite(shares)]
+    return float(np.mean(known)) if len(known) else None
 
 
 def _why_no_fit(S: Array, D: Array, cases: int) -> str:

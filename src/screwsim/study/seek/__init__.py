@@ -13,7 +13,7 @@ from screwsim.scene.grid import with_sweep_over
 from screwsim.scene.units import gauge_pressures_over
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.asked.goals import Goal, of_ambient, read_figure, read_goals
-from screwsim.study.asked.inputs import check_fit, read_text, shown_value
+from screwsim.study.asked.inputs import over_other_axes, read_text, shown_value
 from screwsim.study.asked.spans import Span, read_spans
 from screwsim.study.asked.varied import Varied, case, with_text, with_values
 from screwsim.study.pool.parallel import WarmSimulation, parallel_map
@@ -128,8 +128,7 @@ def find_each(
 ) -> list[GoalSeekAnswer]:
     """Return the answer at each point of the scene's axes other than the varied paths (one point without axes)."""
     varied = {span.path: span.value(span.first) for span in asked.spans}
-    rest = with_sweep_over(scene, [path for path in scene.sweep if path not in varied])
-    check_fit(case(rest, 0), varied, ", ".join(varied))
+    rest = over_other_axes(scene, varied)
     count = case_count(rest)
     first = with_values(case(rest, 0), varied)
     if simulate is None and count > 1 and jobs != 1:

@@ -41,6 +41,12 @@ class StageChain:
         return dict(zip(STAGE_NAMES, (self.first, self.second), strict=True))
 
     @property
+    def ambient_pressure(self) -> float | None:
+        """Ambient pressure [Pa] over which gauge pressures are read; None where the stages have two of them."""
+        of_stages = {scene.operation.ambient_pressure for scene in self.by_stage.values()}
+        return of_stages.pop() if len(of_stages) == 1 else None
+
+    @property
     def accuracy(self) -> float:
         """Accuracy that is asked of the figures: that of the less accurate stage."""
         return max(scene.numerics.accuracy for scene in self.by_stage.values())
@@ -73,7 +79,7 @@ class StageChain:
     def read_value(self, path: str, raw: Any) -> Any:
         """Return a value as written in YAML in SI, checked like the field; raise UsageError."""
         leaf, scene = self.leaf_of(path), self.second if path.startswith(STAGE_NAMES[1]) else self.first
-        with refused_at(path), gauge_pressures_over(scene.operation.ambient_pressure):
+        with refused_at(path), gauge_pressures_over(self.ambient_pressure):
             return convert(leaf, raw, scene.folder)
 
     def with_values(self, values: Mapping[str, Any]) -> Self:

@@ -141,8 +141,7 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults)
         changed = [f"{stage}.{each.partition('=')[0]}" for stage, own in overrides.items() for each in own]
         chain = replace(chain, correlated=read_correlated(content[BLOCK], chain, changed, problems))
     leaf = partial(leaf_in_chain, chain)
-    shared = {stage.operation.ambient_pressure for stage in (first, second)}
-    with gauge_pressures_over(shared.pop() if len(shared) == 1 else None):
+    with gauge_pressures_over(chain.ambient_pressure):
         sweep, joints = read_sweep_of(content.get("sweep"), leaf, problems, "first.operation.speed")
     return replace(chain, sweep=sweep, joints=joints)
 

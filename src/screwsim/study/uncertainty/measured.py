@@ -21,8 +21,16 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.tolerances import split_coverage
 from screwsim.scene.types import COVERAGE
-from screwsim.scene.units import NUMBER, gauge_pressures_over, is_gauge, refused_at, tidy_unit, without_gauge
-from screwsim.scene.values import within
+from screwsim.scene.units import (
+    NUMBER,
+    gauge_pressures_over,
+    is_gauge,
+    not_a_difference,
+    refused_at,
+    tidy_unit,
+    without_gauge,
+)
+from screwsim.scene.values import shown, within
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.asked.goals import of_ambient, read_figure, refuse_twice
 from screwsim.study.asked.inputs import unit_behind
@@ -172,7 +180,7 @@ def _size(figure: str, number: float, value: str, text: str, where: str) -> floa
     if not unit and own:  # 132 kW ± 2, 90 degC ± 2
         text = f"{text} {'K' if declared(figure).units == 'K' and tidy_unit(own) == 'degC' else without_gauge(own)}"
     if tidy_unit(unit_behind(text)) in ("degC", "degF"):
-        raise UsageError(f"{where}: an uncertainty is a difference (write kelvin, e.g. ± 2 K)")
+        raise UsageError(f"{where}: {not_a_difference(f'the tolerance {shown(text)}')}")
     if unit == "%" and declared(figure).units == "K":
         raise UsageError(f"{where}: a percentage of a temperature depends on its zero (write kelvin, e.g. ± 2 K)")
     if unit == "%" and is_gauge(value):

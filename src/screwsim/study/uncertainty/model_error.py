@@ -4,16 +4,28 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from screwsim.scene import Scene
-from screwsim.scene.model_errors import CONDITION_WORDS, RATIO, SPEED, shown_condition, stored_model_errors
+from screwsim.scene.model_errors import (
+    CONDITION_WORDS,
+    RATIO,
+    SIZE,
+    SPEED,
+    TEMPERATURES,
+    shown_condition,
+    stored_model_errors,
+)
 
-RANGE_MARGIN = 0.01  # of a value: margin by which it may lie outside the validated range
+RANGE_MARGIN = 0.01  # of a value: margin by which it may lie outside the validated range ...
+TEMPERATURE_MARGIN = 0.5  # [K] ... and of a temperature
 
 
 def conditions_of(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the conditions by which points are compared: kind of machine, fluid, speed [rad/s], pressure ratio."""
+    """Return the conditions by which points are compared: kind of machine, fluid, speed [rad/s]; of the figures some.
+
+    These are the displacement [m³], the pressure ratio and both saturation temperatures [K], as far as there are any.
+    """
     found = {"machine.kind": scene.machine.kind, "gas.fluid": scene.gas.name, SPEED: float(scene.operation.speed)}
-    ratio = performance.get(RATIO)
-    return found if ratio is None else {**found, RATIO: float(ratio)}
+    figures = {name: performance.get(name) for name in (SIZE, RATIO, *TEMPERATURES)}
+    return found | {name: float(value) for name, value in figures.items() if value is not None}
 
 
 def model_error(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
@@ -46,6 +58,10 @@ def _outside(known: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]
         if isinstance(value, str):
             if value not in ends:
                 yield f"{CONDITION_WORDS[name]} {value} ({', '.join(ends)})"
-        elif not ends[0] - RANGE_MARGIN * abs(ends[0]) <= value <= ends[1] + RANGE_MARGIN * abs(ends[1]):
+        elif not ends[0] - _margin(name, ends[0]) <= value <= ends[1] + _margin(name, ends[1]):
             shown, low, high = (shown_condition(name, each) for each in (value, *ends))
             yield f"{CONDITION_WORDS[name]} {shown} ({low if low == high else f'{low} to {high}'})"
+
+
+def _margin(name: str, end: float) -> float:
+    return TEMPERATURE_MARGIN if name in TEMPERATURES else RANGE_MARGIN * abs(end)
