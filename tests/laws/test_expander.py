@@ -238,17 +238,6 @@ def test_an_expander_without_oil_in_its_gas_is_dry():
         assert dry[name] == pytest.approx(other[name], rel=1e-4), name
 
 
-FILM = "effects.tip_leakage={model: oil_film, passage: 2 mm, filled_from: 0.2}"
-
-
-def test_oil_that_films_bring_back_takes_none_of_what_comes_with_the_gas():
-    """A chamber may hold more than the gas brings; a compressor's would then ask for no oil, which is warned of."""
-    result = simulate(load(OIL, [FILM]), trace=False)
-    assert result.status == "ok" and not result.warnings
-    p = result.performance
-    assert p.oil_ratio > 0.5 and p.oil_flow_ratio == pytest.approx(0.5, rel=1e-3)
-
-
 @pytest.mark.parametrize("room", ["effects.oil_volume={}", "effects.oil_volume=off"])
 def test_moist_gas_and_oil_of_an_expander_part_at_the_temperature_of_their_mixture(room):
     """M281 with next to no water: what bearings, shear and pump lose is theirs (M282)."""
