@@ -29,7 +29,12 @@ from screwsim.simulate import simulate
 from screwsim.study.uncertainty.slopes import numeric_paths
 
 ROOT = Path(__file__).resolve().parent.parent
-SCENES = ("configs/paper/point.yaml", "configs/r134a/point.yaml", "configs/slider_crank/air.yaml")
+SCENES = (
+    "configs/paper/point.yaml",
+    "configs/r134a/point.yaml",
+    "configs/slider_crank/air.yaml",
+    "configs/everything.yaml",
+)
 NUMBERS = 20
 KINDS = {"exact": FINE, "quick": QUICK}
 SHOWN = ("cycle", "composed", "moved", "read")
@@ -79,7 +84,7 @@ class Counted:
             started = time.process_time()
             found = work(*arguments)
             self.times[part] += 1e3 * (time.process_time() - started)
-            if part == "cycle":
+            if part in ("cycle", "again"):
                 self.slices = found.pitch.count
             return found
 
@@ -88,6 +93,7 @@ class Counted:
 
 PARTS = {  # by their names here: whose they are, and which function
     "cycle": (solving, solving.collocated),
+    "again": (solving, solving.collocated_nearby),
     "composed": (Directions, Directions.of),
     "moved": (solving, solving.closed_with_drive),
     "shifted": (solving, solving.shifted_evaluation),
@@ -113,7 +119,8 @@ def told(scene: Scene, runs: int, counted: Counted, fineness: Fineness) -> str:
     # `scene_derivatives` also closes the cycle of the point itself, which the ratio includes
     ratio = statistics.median(after / before for before, after in pairs)
     point, told = statistics.median(points), simulate(scene, trace=False).numerics
-    parts = counted.times | {"read": counted.times["shifted"] + counted.times["read"]}
+    times = counted.times
+    parts = times | {"cycle": times["cycle"] + times["again"], "read": times["shifted"] + times["read"]}
     parts = "".join(f" {parts[name] / runs / point:9.1f}" for name in SHOWN)
     of_point = f"{told['rhs_evaluations']} rates, {told['jacobians']} Jacobians"
     of_all = f"{counted.rates // runs} rates, {counted.jacobians // runs} Jacobians, {counted.slices} slices"

@@ -57,12 +57,20 @@ def test_every_public_function_is_called():
     assert functions - {"schema"} == set(CALLS)
 
 
+def test_a_dict_of_overrides_is_told_who_takes_one():
+    with pytest.raises(
+        screwsim.UsageError, match=r"overrides: .* is neither a text nor a list of .* \.with_ takes a dict"
+    ):
+        screwsim.load(POINT, overrides={"operation.speed": "3000 rpm"})
+    screwsim.load(POINT).with_({"operation.speed": "3000 rpm"})
+
+
 @pytest.mark.parametrize(("name", "argument"), ARGUMENTS)
 def test_a_strange_argument_is_told_in_one_line(name, argument, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for strange in STRANGE:
         meant = {"unchanged", "pairs", "case_limit", "low", "high", "evaporating_temperature", "condensing_temperature"}
-        mapping = {"ranges", "vary", "over", "goals", "scene", "source", "overrides", "without", "figures", "paths"}
+        mapping = {"ranges", "vary", "over", "goals", "scene", "source", "without", "figures", "paths"}
         mapping |= {"limits", "maximize", "minimize", "subject_to"}
         mapping |= {"path"} if name == "load" else set()
         if (strange == -1 and argument in meant) or (isinstance(strange, dict) and argument in mapping):

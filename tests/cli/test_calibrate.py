@@ -134,3 +134,14 @@ def test_a_scene_that_no_calibration_wrote_is_kept(fitted, command):
     assert (fitted / "scene.yaml").read_text() == "base: small.yaml\n"
     assert command("calibrate", "small.fit.yaml", "-o", "out", "--jobs", "1").code == 0
     assert command("calibrate", "small.fit.yaml", "-o", "out", "--jobs", "1").code == 0  # over its own
+
+
+def test_the_scene_of_the_fit_is_not_replaced_by_the_fitted_one(fitted, command):
+    assert command("calibrate", "small.fit.yaml", "-o", "out", "--jobs", "1").code == 0
+    (fitted / "again.fit.yaml").write_text(FIT.replace("small.yaml", "out/scene.yaml"), encoding="utf-8")
+    answer = command("calibrate", "again.fit.yaml", "-o", "out", "--jobs", "1")
+    assert answer.code == 2
+    assert answer.err == "-o out: out/scene.yaml is the scene of the fit itself (name another folder)\n"
+    (fitted / "later.yaml").write_text("base: out/scene.yaml\n", encoding="utf-8")
+    (fitted / "again.fit.yaml").write_text(FIT.replace("small.yaml", "later.yaml"), encoding="utf-8")
+    assert "later.yaml is based on this file" in command("calibrate", "again.fit.yaml", "-o", "out", "--jobs", "1").err

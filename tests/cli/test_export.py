@@ -104,6 +104,7 @@ def test_texts_are_written_from_results(command, both, kind, name, monkeypatch):
     monkeypatch.setattr(tespy, "OTHER_MACHINE", 1e9)  # `simple` is no machine of a real gas
     answer = command("export", kind, "x.h5", "-o", f"new/{name}")
     assert answer.code == 0 and answer.out.splitlines()[-1] == f"new/{name}"
+    assert answer.out.startswith("Semi-hermetic compact screw by the paper's laws, R134a, 2/45 °C\n")
     text = Path("new", name).read_text()
     assert len(text) > 500
     again = command("export", kind, "x.h5", "-o", f"new/{name}", "--json")

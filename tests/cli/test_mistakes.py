@@ -185,6 +185,16 @@ def test_an_option_with_one_value_that_is_given_twice_is_refused(folder, command
     assert (answer.code, answer.out, answer.err) == (2, "", told)
 
 
+@pytest.mark.parametrize("words", ["new air", "datasheet small.yaml", "report out.h5", "calibrate x.fit.yaml"])
+def test_an_empty_name_of_an_output_is_refused(files, command, words):
+    """Of an unset variable of a shell: it stood for the present folder, or ended in an internal error."""
+    before = sorted(files.iterdir())
+    answer = command(*words.split(), "-o", "")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err == "-o: is empty (name a file or folder, or leave it out)\n"
+    assert sorted(files.iterdir()) == before
+
+
 def test_every_command_refuses_an_option_given_twice():
     group = _parser("")
     inner = [each for one in group.commands.values() for each in getattr(one, "commands", {}).values()]

@@ -144,6 +144,27 @@ def test_find_does_not_replace_a_scene_of_ones_own(sought, command):
     assert found.code == 2 and "already exists, and is not a file of this kind" in found.err
 
 
+def test_a_scene_found_may_replace_the_one_it_was_found_from(sought, command):
+    """It stood there with itself as its base, and no command could read it."""
+    goal = ("--for", "gas_mass_flow=1.2 kg/s", "-o", "found.yaml")
+    assert command("find", "oiled.yaml", *RATIO, "--for", "isothermal_efficiency=0.78", "-o", "found.yaml").code == 0
+    before = load("found.yaml")
+    assert command("find", "found.yaml", *SPEED, *goal).code == 0
+    again = load("found.yaml")
+    assert again.operation.speed == pytest.approx(3600.0 * RPM)
+    assert again.oil_supply.ratio == before.oil_supply.ratio
+    assert command("optimize", "found.yaml", *RATIO, "--best", "found.yaml", "--jobs", "1").code == 0
+    assert load("found.yaml").operation.speed == pytest.approx(3600.0 * RPM)
+
+
+def test_a_base_of_the_scene_is_not_replaced(sought, command):
+    goal = ("--for", "gas_mass_flow=1.2 kg/s", "-o")
+    for of, file in (("oiled.yaml", "found.yaml"), ("found.yaml", "last.yaml")):
+        assert command("find", of, *SPEED, *goal, file).code == 0
+    found = command("find", "last.yaml", *SPEED, *goal, "found.yaml")
+    assert (found.code, found.err) == (2, "-o found.yaml: last.yaml is based on this file (choose another name)\n")
+
+
 def test_optimize_says_the_best_and_writes_it(sought, command):
     arguments = ("optimize", "oiled.yaml", *SPEED, *RATIO, "--maximize", "eta_iso", "--jobs", "1")
     found = command(*arguments, "--best", "best.yaml", "-o", "out.h5")

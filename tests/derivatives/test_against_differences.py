@@ -6,17 +6,19 @@ import numpy as np
 import pytest
 from closed_points import closed_scene
 from known import known
+from near_arrays import assert_near
 from tight import Tight, closed_tightly
 
 import screwsim
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
-from screwsim.derivatives import solving
+from screwsim.derivatives import collocation, solving
 from screwsim.derivatives.around import implied_changes
 from screwsim.derivatives.collocation import FINE
 from screwsim.derivatives.directions import Directions
 from screwsim.derivatives.response import unshifted_evaluation
 from screwsim.derivatives.solving import SceneDerivatives, figures_of
+from screwsim.model.slots import Q_WORK
 from screwsim.scene import scene_text, with_values
 from screwsim.scene.fields import value_at
 from screwsim.study.uncertainty.point import sensitivities
@@ -42,6 +44,8 @@ TURNED = 5e-3  # the same; without short slices there 4e-2
 PEAKED = 2e-3  # the same
 PULSATING = 2e-3  # the same; with short slices at the pressure of the line itself five times the slope
 DISSOLVED = 5e-4  # the same; without an end of a slice where the rate has its corner 3e-3
+OTHER_SLICES = 1e-2  # of a change of 5e-6: slices of the same error end elsewhere
+CLOSED_ALIKE = 1e-7  # of the unknowns: both cycles are closed to this
 STOOD_IN = 5e-3  # of cycles at 1e-6; over half a percent of an angle, three degrees, 5e-2
 WARMED = 2e-3  # the same; with the states left out of what the shaft takes 5e-2
 SENT_BACK = 1e-2  # of it, by the regularisation of the default accuracy; with differences across a turning 5e-1
@@ -148,6 +152,24 @@ def test_derivatives_stand_where_the_oils_circuit_closes():
     life, left = found.pitch.machinery.trajectory.copy(), asked_of_surroundings(found)
     assert left > solving.LARGEST_RESIDUAL
     assert asked_of_surroundings(solving.with_settled_surroundings(found, life)) <= solving.LARGEST_RESIDUAL
+
+
+def test_the_cycle_of_settled_surroundings_begins_from_slices_and_states_of_the_one_before(monkeypatch):
+    """It is that which is found anew, without placing slices anew."""
+    found = closed_scene(
+        screwsim.load(PAPER, ["oil_supply.temperature=null", "effects.separator={cooler: {duty: 2 kW}}"]), FINE
+    )
+    machinery, life = found.pitch.machinery, found.pitch.machinery.trajectory.copy()
+    with monkeypatch.context() as refusing:
+        refusing.setattr(collocation, "approach", None)  # places slices
+        settled = solving.with_settled_surroundings(found, life)
+    assert settled.pitch.problem is not found.pitch.problem
+    machinery.put(life)
+    settled.pitch.put(settled.at)
+    anew = collocation.collocated(settled.pitch.problem, machinery, machinery.trajectory.copy())
+    before, after, beside = (cycle.sums[Q_WORK] for cycle in (found, settled, anew))
+    assert after - before == pytest.approx(beside - before, rel=OTHER_SLICES)
+    assert_near(settled.unknowns_in, anew.unknowns_in, rel=CLOSED_ALIKE)
 
 
 def asked_of_surroundings(cycle):

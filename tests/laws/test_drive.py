@@ -93,6 +93,7 @@ def test_chambers_and_drive_in_one_system_repeat_the_motion_that_was_closed_by_t
     assert cycle.status == "ok" and motion.ripple > 0.05
     together = beside(of, motion, {**SLOW, **FINE})
     complete = of.complete
+    assert complete.shaft_power == of.figures.shaft_power
     together.loss = (complete.shaft_power - complete.indicated_power) / complete.omega
     start = start_of(machinery, motion)
     angles, states, end = together.pitch(start)

@@ -10,8 +10,9 @@ import pytest
 sys.path.append(str(Path(__file__).parents[1] / "study"))
 
 from result_fakes import SCENE
-from seek_fakes import RPM, choosing
+from seek_fakes import RPM, chiller, choosing
 
+import screwsim
 from screwsim.report import front, plot, samples
 from screwsim.report.page import page_of
 from screwsim.report.page.tables import best_table
@@ -98,3 +99,10 @@ def test_no_evaluation_within_the_bounds_is_told(tmp_path):
     how = {"subject_to": ["shaft_power<0.001 W"], "evaluations": 40, "output": tmp_path / "none.h5"}
     optimize(loads(SCENE), RANGES, ["gas_mass_flow"], [], simulate=choosing, jobs=1, **how)
     assert "No evaluation is within the bounds" in read(page_of(open_results(tmp_path / "none.h5")))
+
+
+def test_a_scene_rated_over_points_has_nothing_to_draw(tmp_path):
+    scene = screwsim.load(Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml")
+    optimize(scene, maximize="cop", over="IPLV", simulate=chiller, jobs=1, output=tmp_path / "x.h5")
+    with pytest.raises(screwsim.UsageError, match=r"has nothing to draw: nothing was varied \(screwsim report makes"):
+        plot(tmp_path / "x.h5")

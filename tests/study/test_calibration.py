@@ -241,3 +241,22 @@ def test_a_fit_is_doubted_where_chance_hardly_makes_such_residuals(spread, doubt
     out = " ".join(capsys.readouterr().out.split())
     assert "the residuals exceed the stated uncertainties, which chance alone does in" in out
     assert ("the model or the uncertainties do not suit the data" in out) == doubted
+
+
+@pytest.mark.parametrize(
+    ("typos", "named"),
+    [
+        ({}, ""),
+        ({5: 90.0}, "(e5: shaft power "),
+        ({5: 90.0, 7: -60.0}, "(e5: shaft power "),
+        (dict.fromkeys(range(0, 12, 2), 90.0), ""),  # many: not mistakes of the table
+    ],
+)
+def test_the_few_numbers_that_make_up_most_of_the_misfit_are_named(typos, named, tmp_path, capsys):
+    head = "name,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
+    rows = [f"e{n},{500 * (n + 1)},{3.0 + n + typos.get(n, 0.0)},0.1\n" for n in range(20)]
+    print_calibration(calibrate(read_fit(write_fit(tmp_path, points=head + "".join(rows))), jobs=1, simulate=plane))
+    out = " ".join(capsys.readouterr().out.split())
+    assert ("of chi squared comes from" in out) == bool(named)
+    assert named in out
+    assert ("in fewer than 1e-06 of all cases" in out) == bool(typos)

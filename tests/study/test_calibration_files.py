@@ -105,6 +105,17 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
             "points.csv:2:10: operation.speed (rpm): is not known (a unit stands in square brackets: operation.speed [",
         ),
         (
+            "speed [rpm]",
+            "speed [1/min]",
+            "points.csv:2:10: operation.speed: unit '1/min' is ambiguous: turns or radians",
+        ),
+        (
+            "speed [rpm]",
+            "speed [rmp]",
+            "points.csv:2:10: operation.speed: unit 'rmp' is not a speed (write e.g. '3000 rpm')",
+        ),
+        ("name,use", "Punkt,use", "points.csv:2:1: Punkt: is not known (use name, use, a scene path or a figure)"),
+        (
             ",",
             ";",
             "points.csv:2:1: data: is separated by semicolons (save it with commas between cells and decimal points)",

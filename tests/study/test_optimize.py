@@ -16,16 +16,18 @@ from study_fakes import gappy, parabola, two_tops
 
 import screwsim
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs import Figures, Result
 from screwsim.printing.optimize import optimize_document, print_optimize
 from screwsim.results.table import table_of
 from screwsim.scene import loads, with_values
 from screwsim.simulate import simulate as simulated
 from screwsim.study.best.optimum import optimum
 from screwsim.study.best.optimum import question as of_optimum
-from screwsim.study.optimize import optimize, question, run_question
+from screwsim.study.optimize import Aim, optimize, question, run_question
 from screwsim.study.optimize.evaluate import weighted_mean
-from screwsim.study.optimize.points import BIN_HOURS, as_csv, energy_shares, load_at, read_points, standards
+from screwsim.study.optimize.points import as_csv, read_points
 from screwsim.study.optimize.record import Record, nearest_neighbour_order
+from screwsim.study.optimize.seasons import BIN_HOURS, HEATING_WEATHER, energy_shares, load_at, standards
 from screwsim.study.optimize.solve import front_of
 from screwsim.study.optimize.store import held_parts
 from screwsim.study.pool.parallel import BatchWorkers
@@ -317,26 +319,35 @@ def test_seasonal_points_have_the_weights_of_their_standards():
     assert sum(point.weight for point in known["ESEER-water"].ratings) == pytest.approx(1.0)
     assert sum(BIN_HOURS["SEPR"].values()) == pytest.approx(8760.0)  # a year
     assert sum(BIN_HOURS["SEER"].values()) == 2602.0  # hours above 16 °C
-    for name in ("SEER", "SEPR"):
+    assert sum(BIN_HOURS["SCOP"].values()) == 4910.0  # hours below 16 °C
+    for name in ("SEER", "SEPR", "SCOP"):
         assert sum(energy_shares(name)) == pytest.approx(1.0)
+
+
+def test_the_heat_of_a_year_is_that_of_2066_hours_at_full_load():
+    """Regulation (EU) 811/2013, annex VII 4(c): the equivalent hours of the average climate, in whole hours."""
+    assert round(sum(hours * load_at("SCOP", T) for T, hours in BIN_HOURS["SCOP"].items())) == 2066
 
 
 def test_the_law_of_the_cooling_load_gives_the_rating_points_in_whole_percents():
     """And goes on: space cooling vanishes at 16 °C and exceeds the design load on hotter days than 35 °C."""
     for name in ("SEER", "SEPR"):
         ratings = standards()[name].ratings
-        assert [round(load_at(name, each.entering), 2) for each in ratings] == [each.load for each in ratings]
+        assert [round(load_at(name, each.warm), 2) for each in ratings] == [each.load for each in ratings]
     assert load_at("SEER", 16.0) == 0.0
     assert load_at("SEER", 39.0) == pytest.approx(23.0 / 19.0)
     assert load_at("SEPR", -10.0) == load_at("SEPR", 5.0) == 0.8
+    ratings = standards()["SCOP-35"].ratings
+    assert [round(load_at("SCOP", each.cold), 2) for each in ratings] == [each.load for each in ratings]
+    assert load_at("SCOP", 16.0) == 0.0
 
 
 def test_shares_of_the_cooling_energy_meet_its_mean_temperature():
     """Dividing each hour linearly between two points keeps its first moment, inside the outer points."""
-    points = {"SEER": (35.0, 30.0, 25.0, 20.0), "SEPR": (35.0, 25.0, 15.0, 5.0)}
+    points = {"SEER": (35.0, 30.0, 25.0, 20.0), "SEPR": (35.0, 25.0, 15.0, 5.0), "SCOP": HEATING_WEATHER}
     for name, at in points.items():
         cooling = {T: hours * load_at(name, T) for T, hours in BIN_HOURS[name].items()}
-        mean = sum(min(max(T, at[-1]), at[0]) * each for T, each in cooling.items()) / sum(cooling.values())
+        mean = sum(min(max(T, min(at)), max(at)) * each for T, each in cooling.items()) / sum(cooling.values())
         found = sum(T * share for T, share in zip(at, energy_shares(name), strict=True))
         assert found == pytest.approx(mean, abs=1e-9)
 
@@ -363,12 +374,50 @@ def test_standards_become_a_compressors_temperatures_by_the_scenes_own(chilled):
     assert T_c == pytest.approx([45.0, 34.5, 24.0, 20.0])
 
 
-def test_printed_points_read_back(chilled, tmp_path):
-    points = read_points(chilled, "SEER-water")
+def test_a_heat_pump_meets_the_temperatures_of_scop_by_its_own(chilled):
+    kelvin = {"operation.evaporating_temperature": 258.15, "operation.condensing_temperature": 331.15}
+    pump = with_values(chilled, kelvin)
+    entering = {"": (-10.0, -7.0, 2.0, 7.0, 12.0), "-brine": (0.0,) * 5, "-water": (10.0,) * 5}
+    load = np.array([1.0, 0.88, 0.54, 0.35, 0.15])
+    for medium, outside in entering.items():
+        points = read_points(pump, f"scop-55{medium}")
+        T_e, T_c = np.array([list(point.values.values()) for point in points.points]).T - 273.15
+        assert [point.load for point in points.points] == load.tolist()
+        assert T_e == pytest.approx(np.array(outside) - (outside[0] + 15.0) * load)
+        assert T_c == pytest.approx(np.array([55.0, 52.0, 42.0, 36.0, 30.0]) + 3.0 * load)
+        assert points.capacity == "heating_capacity"
+
+
+def test_over_shares_of_the_heat_a_heating_cop_is_heat_over_work(chilled):
+    points = read_points(with_values(chilled, {"operation.evaporating_temperature": 258.15}), "SCOP-35")
+    halves = replace(points, points=tuple(replace(each, weight=0.5 * (i < 2)) for i, each in enumerate(points.points)))
+    values, none = np.array([2.0, 4.0, 9.0, 9.0, 9.0]), np.zeros(5)
+    for cop, mean in (("heating_cop", 8.0 / 3.0), ("electrical_heating_cop", 8.0 / 3.0), ("cop", 3.0)):
+        assert weighted_mean(halves, cop, values, none)[0] == pytest.approx(mean)
+
+
+def test_without_paths_the_scene_itself_is_rated_over_the_points(chilled):
+    assert question(chilled, [], over="IPLV").aims == (Aim("electrical_cop"),)
+    found = optimize(chilled, maximize="cop", over="IPLV", simulate=chiller, jobs=1)
+    assert (found.status, len(found.places), len(found.points)) == ("ok", 1, 4)
+    T = np.array([list(point.values.values())[:2] for point in read_points(chilled, "IPLV").points])
+    weights = [0.01, 0.42, 0.45, 0.12]
+    assert found.aims[0, 0] == pytest.approx(np.dot(weights, 0.6 * T[:, 0] / (T[:, 1] - T[:, 0])))
+    none = optimize(chilled, maximize="cop", subject_to=["cop>100"], over="IPLV", simulate=chiller, jobs=1)
+    assert none.status == "none" and none.message.endswith("(widen the bound, or vary a path)")
+    with pytest.raises(UsageError, match=r"nothing varies \(give one path or more with its range, or points to rate"):
+        optimize(chilled, simulate=chiller, jobs=1)
+
+
+@pytest.mark.parametrize("name", ["SEER-water", "SCOP-35"])
+def test_printed_points_read_back(name, chilled, tmp_path):
+    if name == "SCOP-35":
+        chilled = with_values(chilled, {"operation.evaporating_temperature": 258.15})
+    points = read_points(chilled, name)
     file = tmp_path / "points.csv"
     file.write_text(as_csv(points))
     again = read_points(chilled, str(file))
-    assert (again.energy, again.by) == (True, "operation.speed")
+    assert (again.energy, again.by, again.heating) == (True, "operation.speed", name == "SCOP-35")
     for a, b in zip(again.points, points.points, strict=True):
         assert (a.name, a.load) == (b.name, b.load)
         assert a.weight == pytest.approx(b.weight, rel=1e-5)
@@ -383,6 +432,23 @@ def test_part_loads_are_reached_by_the_speed(chilled):
     both = ([each.values[name] for name in each.point.values] for each in found.points)
     cop = [0.6 * T_e / (T_c - T_e) for T_e, T_c in both]
     assert found.aims[found.front[0], 0] == pytest.approx(np.dot([0.01, 0.42, 0.45, 0.12], cop))
+
+
+@pytest.mark.parametrize("own", [0.0, 0.1])
+def test_part_loads_are_reached_by_a_slide_that_is_at_full_load_first(own, tmp_path):
+    """It had no range from zero, and none beyond 1.3 times its own position."""
+
+    def slid(scene):
+        found = chiller(scene).performance
+        share = 1.0 - 0.9 * scene.effects["slide_valve"].parameters.position
+        return Result("ok", performance=Figures({**found, "cooling_capacity": share * found.cooling_capacity}))
+
+    file = tmp_path / "points.csv"
+    file.write_text("weight, load by effects.slide_valve.position\n1, 1\n1, 0.5\n1, 0.25\n")
+    control = screwsim.load(FIG1.parents[1] / "control" / "point.yaml", [f"effects.slide_valve.position={own}"])
+    found = optimize(control, maximize="cop", over=str(file), simulate=slid, jobs=1)
+    capacity = [each.result.performance.cooling_capacity for each in found.points]
+    assert np.array(capacity) / capacity[0] == pytest.approx([1.0, 0.5, 0.25], rel=5e-3)
 
 
 def test_bounds_hold_at_every_operating_point(chilled):
@@ -405,6 +471,10 @@ def test_bounds_hold_at_every_operating_point(chilled):
         ("weight, operation.condensing_temprature [degC]\n1, 20", "line 1: operation.condensing_temprature: is not"),
         ("weight, load\n1, 0.5", "its first point does not have load 1 (write full load first)"),
         ("weight, energy\n1, 1", "has both weight and energy (keep one: each weights the points)"),
+        (
+            "energy, heating_load\n1, 1",
+            "its load and its energy are not both of cooling or of heating (write heating_l",
+        ),
         ("weight\n-1", "line 2: weight '-1' is not a number of at least 0"),
         ("weight\n0", "all weights are zero"),
         ("weight", "has 0 points"),
@@ -446,7 +516,9 @@ def test_a_wrong_question_is_refused_in_one_line(asked, message):
 
 def test_an_approach_of_nothing_is_refused(chilled):
     cold = with_values(chilled, {"operation.condensing_temperature": 308.15})
-    with pytest.raises(UsageError, match=r"leaves 0 K for the condenser above 35 °C at full load \(raise operation"):
+    with pytest.raises(
+        UsageError, match=r"leaves 0 K for the condenser above air of 35 °C at full load \(raise operation"
+    ):
         read_points(cold, "ESEER")
 
 

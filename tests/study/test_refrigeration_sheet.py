@@ -23,7 +23,7 @@ from screwsim.study.datasheet.rated import rating
 from screwsim.study.datasheet.refrigeration_sheet import rating_request, refrigeration_sheet
 from screwsim.study.datasheet.sheet import warning_lines
 from screwsim.study.datasheet.tables import part_load_note
-from screwsim.study.part_load import NEAR, RATIO_PATH, Control, controls, part_load, ratios
+from screwsim.study.part_load import LOADS, NEAR, RATIO_PATH, Control, controls, part_load, ratios
 from screwsim.template import new_scene, request_of
 
 pytestmark = pytest.mark.around
@@ -89,6 +89,23 @@ def test_a_heat_pumps_sheet_has_what_its_condenser_gives_beside_the_rest(rated, 
     (line,) = (text for name, text in both.lines if name == "heating")
     assert line.startswith(f"{1e-3 * own.heating_capacity:.1f} kW from the condenser")
     assert sheet.document["points"] == both.document["points"]  # programs get it in any case
+
+
+def test_a_heat_pumps_part_loads_are_those_of_its_heat():
+    scene = screwsim.load(CONTROL, without=["slide_valve", "suction_throttle", "bypass"])
+    one = ("2 degC..4 degC", "44 degC..46 degC")
+    pump = rating(rating_request(scene, *one, limits_of(scene, ()), heating=True), jobs=1)
+    (speed,) = pump.loads
+    for step in speed.steps:
+        heat = step.result.performance.heating_capacity / pump.own.performance.heating_capacity
+        assert heat == pytest.approx(step.load) and any(abs(step.load - load) < 2e-3 for load in LOADS)
+    sheet = refrigeration_sheet(pump, heating=True)
+    table = next(each for each in sheet.tables if each.title.startswith("Part load"))
+    assert table.note.startswith("load: heating capacity relative to that of the scene itself")
+    last = speed.steps[-1].result.performance
+    assert float(table.rows[-1][3]) == pytest.approx(1e-3 * last.heating_capacity, abs=0.06)
+    assert float(table.rows[-1][5]) == pytest.approx(last.electrical_heating_cop, abs=0.006)
+    assert sheet.document["part_load_of"] == "heating_capacity"
 
 
 def test_the_envelope_ends_where_a_limit_is_met(rated):

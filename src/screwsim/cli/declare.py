@@ -17,12 +17,17 @@ File = Path | None
 
 
 class Command(TyperCommand):
-    """A command that refuses an option with one value that is given twice, of which click would take the last."""
+    """A command that refuses an option with one value that is given twice, of which click would take the last.
+
+    It also refuses an empty `-o`, which would stand for the present folder.
+    """
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Return what is left of the arguments; raise UsageError."""
-        _, _, given = self.make_parser(ctx).parse_args(list(args))
+        values, _, given = self.make_parser(ctx).parse_args(list(args))
         for each in given:
+            if "-o" in each.opts and values.get(each.name or "") == "":
+                raise UsageError(f"{each.opts[0]}: is empty (name a file or folder, or leave it out)")
             single = isinstance(each, TyperOption) and not (each.multiple or each.is_flag)
             if single and given.count(each) > 1:
                 raise UsageError(f"{each.opts[0]}: is given twice, and takes one value (remove one)")

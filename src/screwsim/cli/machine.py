@@ -96,7 +96,9 @@ def datasheet(
     ),
     discharge: Text = option("LOW..HIGH", "Its discharge pressures, or outlet pressures of an expander."),
     limits: Texts = option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeatable.", "--limit"),
-    heating: bool = switch("--heating", "Add tables of heating capacity and heating COP (heat pump)."),
+    heating: bool = switch(
+        "--heating", "Add tables of heating capacity and heating COP, part loads by it (heat pump)."
+    ),
     profile: str | None = option(
         "LOADS.csv", "Flows and hours of an air package; adds its energy use over them.", "--profile"
     ),

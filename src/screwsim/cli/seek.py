@@ -49,7 +49,7 @@ def find(
     if output is not None and not table:
         if several:
             raise UsageError(f"-o {output}: the sweep gives one answer per row (write -o FOUND.csv or .h5)")
-        _check_found(output, "-o", scene)
+        _check_found(output, "-o", scene, scene_file)
     with options.counted_progress("find", "rows") as shown:
         rows = find_each(scene, asked, jobs=jobs, progress=shown)
     options.print_document_or_text(as_json, find_document, print_find, scene, asked, rows)
@@ -66,12 +66,15 @@ def find(
     return OK if all(row.status == "ok" for row in rows) else NOT_ALL_OK
 
 
-def _check_found(output: Path, option: str, of: Varied) -> None:
-    """Raise UsageError where a scene found, or both scenes of two stages, cannot be written."""
+def _check_found(output: Path, option: str, of: Varied, file: str) -> None:
+    """Raise UsageError where a scene found of that in a file, or both scenes of two stages, cannot be written."""
     from screwsim.scene import Scene
     from screwsim.study.scene_files import check_found_stages, check_scene_file
 
-    (check_scene_file if isinstance(of, Scene) else check_found_stages)(output, option)
+    if isinstance(of, Scene):
+        check_scene_file(output, option, file)
+    else:
+        check_found_stages(output, option)
 
 
 def _write_found(
@@ -97,7 +100,9 @@ def optimize(
         "FIGURE<VALUE", "Bound on a figure, e.g. 'discharge_temperature<90 degC'; repeatable.", "--subject-to"
     ),
     over: Text = option(
-        "POINTS.csv|NAME", "Weighted operating points: a file, IPLV, ESEER, SEER, SEPR, or …-water.", "--over"
+        "POINTS.csv|NAME",
+        "Weighted operating points: a file, IPLV, ESEER, SEER, SEPR, SCOP-35, SCOP-55, …-water, …-brine.",
+        "--over",
     ),
     print_points: bool = switch("--print-points", "Print the points of --over as editable CSV, and exit."),
     output: File = option(
@@ -142,7 +147,9 @@ def optimize(
         if len(asked.aims) > 1:
             remedy = "pick a point of the front: --json lists their values"
             raise UsageError(f"--best {best}: several aims have no single best ({remedy})")
-        _check_found(best, "--best", scene)
+        if not spans:
+            raise UsageError(f"--best {best}: nothing varies (write --vary PATH=LOW..HIGH, or leave it out)")
+        _check_found(best, "--best", scene, scene_file)
     found = run_question(asked, output, jobs=jobs, restart=restart, progress=options.progress_bar("optimize"))
     options.print_document_or_text(as_json, optimize_document, print_optimize, found)
     written = [] if output is None else [str(output)]

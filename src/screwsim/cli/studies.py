@@ -248,7 +248,7 @@ def calibrate(
     asked = () if predict is None else points_to_predict(fit, predict, "--predict")
     if folder is not None:
         make_folder(folder)
-        check_folder(folder)
+        check_folder(folder, fit.scene_file)
         if posterior or asked:
             protect_other_samples(folder)
     if sys.stderr.isatty():

@@ -7,7 +7,7 @@ them, together with the states, to their next values (`image`).
 from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -52,6 +52,10 @@ class LineInflow(NamedTuple):
 
     flow: Array
     volume: Array
+
+    def moved(self, flow: Array, volume: Array | None = None) -> Self:
+        """Return these with a change of the flows, and with other volumes."""
+        return self._make((self.flow + flow, self.volume if volume is None else volume))
 
 
 def unknowns(problem: Problem, machinery: Machinery) -> Array:

@@ -42,6 +42,8 @@ def misread_at_discharge(problem: Problem, life: Trajectory, at: float, sums: Se
             by_ahead = gave - life.sum_until(opens, c.first_met + 2 * i + 1)
             given += by_ahead
             differ += by_ahead + got - life.sum_until(opens - shift, c.first_met + 2 * i)
+    if not differ:  # nor where a life has no sums up to an angle
+        return 0.0
     port = sum(float(life.quads[life.steps - 1, c.first_stream + row * c.width]) for row in FROM_SUCTION)
     net = abs(port + sum(got + gave for got, gave in sums))
     least = LEAST_NET * float(life.R[slots.R_TRAPPED])

@@ -11,12 +11,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.derivatives import line_flows
 from screwsim.derivatives.lane_rates import RateRequest, rates_of
+from screwsim.derivatives.line_flows import LineMeans
 from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.rate_numbers import RateNumbers
-from screwsim.derivatives.slices import INTEGRALS
+from screwsim.derivatives.slices import INTEGRALS, NODES
 from screwsim.derivatives.sweeps import compiled
-from screwsim.model.slots import P_GAP_WIDTH, PORT_STATE, PRESSURE, R_RATIO
+from screwsim.effects.base import LINES
+from screwsim.model.slots import P_GAP_WIDTH, P_OMEGA, P_PITCH, PORT_STATE, PRESSURE, R_RATIO
 
 Array = np.ndarray
 OF_WIDTH = 1e-5  # step of differences over the regularisation: a tenth of a node's distance from a turning ...
@@ -68,21 +71,23 @@ class ArgumentChange(NamedTuple):
 
 def along(
     pitch: CollocatedPitch, Y: Array, at: RateNumbers, changes: Sequence[ArgumentChange], right: Array, first: int
-) -> Array:
-    """Return the change of the quadratures with changes of the rates' arguments, a column each.
+) -> tuple[Array, Array]:
+    """Return the change of the quadratures with changes of the rates' arguments, a column each, and of line flows.
 
-    Changes of the stage equations are added to `right` (slices, NODES, N, …), from column `first` on.
+    The latter are those into pulsating lines (`line_flows`). Changes of the stage equations are added to `right`
+    (slices, NODES, N, …), from column `first` on.
     """
     sums = np.zeros((pitch.machinery.nq, len(changes)))
     some = [i for i, each in enumerate(changes) if not each.nothing]
     if not some:
-        return sums
+        return sums, line_flows.none(pitch, len(changes))
+    flows = np.zeros((pitch.count, NODES, len(LINES), len(changes)))
     of_pressures, asked, of_asked = step_of(pitch), [RateRequest(at, None)], []
     for i in some:
         numbers, edges, side = changes[i]
         both, step = changes[i].both, step_along(changes[i], at, of_pressures)
         signs = (side,) if isinstance(side, float) and not both else (1.0, -1.0)
-        of_asked += [(i, sign / step * (0.5 if both else np.equal(side, sign)), not both) for sign in signs]
+        of_asked += [(i, sign / step * (0.5 if both else np.equal(side, sign))) for sign in signs]
         for sign in signs:
             there = None if edges is None else pitch.slices.edges + sign * step * edges
             asked.append(RateRequest(at.plus(sign * step, numbers), there))
@@ -93,13 +98,53 @@ def along(
         lane, widths = int(not which.start), pitch.slices.widths
         of_lanes = of_asked[which.start + lane - 1 : which.stop - 1]
         edges = [each.edges for each in asked[which.start + lane : which.stop]]
-        there = [per * (widths if e is None else np.diff(e)) for (_, per, _), e in zip(of_lanes, edges, strict=True)]
-        here = [per * one_sided * widths for _, per, one_sided in of_lanes]
-        how = lane, *(np.ascontiguousarray(np.transpose(each)) for each in (there, here))
-        columns = np.array([i for i, *_ in of_lanes])
-        compiled().sweeps__add_stages(found[0], own[0], *how, first + columns, right.reshape(-1, *right.shape[2:]))
-        compiled().sweeps__add_sums(found[1], own[1], *how, columns, sums)
-    return sums
+        there = [per * (widths if e is None else np.diff(e)) for (_, per), e in zip(of_lanes, edges, strict=True)]
+        here = [per * widths for _, per in of_lanes]  # cancels where there are both sides, and with it most rounding
+        there, here = (np.ascontiguousarray(np.transpose(each)) for each in (there, here))
+        how = lane, there, here, np.array([i for i, _ in of_lanes])
+        targets = *how[:-1], first + how[-1]
+        compiled().sweeps__add_stages(found[0], own[0], *targets, right.reshape(-1, *right.shape[2:]))
+        compiled().sweeps__add_sums(found[1], own[1], *how, sums)
+        if line_flows.pulsates(pitch):
+            _add_flows(pitch, found[1], own[1], *how, flows)
+    return sums, _means_by(pitch, own[1], flows, changes)
+
+
+def _add_flows(
+    pitch: CollocatedPitch,
+    rates: Array,
+    own: Array,
+    first: int,
+    there: Array,
+    here: Array,
+    columns: Array,
+    flows: Array,
+) -> None:
+    """Add to flows (slices, NODES, lines, …) the differences of those into lines, as `sweeps.add_sums` does to sums."""
+    moved, unmoved = (line_flows.flows_of(pitch, each, 1).reshape(*flows.shape[:3], -1) for each in (rates, own))
+    moved = there[:, None, None] * moved[..., first : first + len(columns)] - here[:, None, None] * unmoved
+    for lane, column in enumerate(columns.tolist()):
+        flows[..., column] += moved[..., lane]
+
+
+def _means_by(pitch: CollocatedPitch, g: Array, flows: Array, changes: Sequence[ArgumentChange]) -> Array:
+    """Return the change of the mean flows into lines with changes of the rates' arguments, a column each.
+
+    `flows` (slices, NODES, lines, k) are the changes of the flows at the nodes, times widths; g are the rates of
+    quadratures there.
+    """
+    if not line_flows.pulsates(pitch):
+        return line_flows.none(pitch, len(changes))
+    own = line_flows.flows_of(pitch, g, 1).reshape(flows.shape[:3])
+    means, P = LineMeans.of(pitch.slices.edges), pitch.machinery.composition.P
+    found, here = means.through(flows), means.through(pitch.slices.widths[:, None, None] * own)
+    for j, change in enumerate(changes):
+        numbers = change.numbers.P
+        wider, faster = (float(numbers[at] / P[at]) for at in (P_PITCH, P_OMEGA))
+        if change.edges is not None or wider:
+            found[..., j] += means.as_edges_move(own, change.edges, wider)
+        found[..., j] += (faster - wider) * here
+    return found
 
 
 def along_events(pitch: CollocatedPitch, Y: Array, right: Array) -> Array:

@@ -9,8 +9,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from screwsim.cycle.feedback import LineInflow
 from screwsim.derivatives.blocks import Blocks
 from screwsim.derivatives.lane_rates import rates
+from screwsim.derivatives.line_flows import line_inflow
 from screwsim.derivatives.linear import injection
 from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.shifted_life import ShiftedLife
@@ -112,7 +114,7 @@ def closed(pitch: CollocatedPitch, Y: Array, bound: float, kept: ChamberFactors)
     blocks, inject = kept.of(pitch), None
     lent = blocks is not None
     for _ in range(CLOSINGS):
-        off, residual_, size, (start, _) = residual_of(pitch, Y)
+        off, residual_, size, (start, *_) = residual_of(pitch, Y)
         if size < bound:
             pitch.install(start, Y)
             return Y
@@ -133,17 +135,18 @@ def closed(pitch: CollocatedPitch, Y: Array, bound: float, kept: ChamberFactors)
     return None
 
 
-def residual_of(pitch: CollocatedPitch, Y: Array) -> tuple[Array, Array, float, tuple[Array, Array]]:
-    """Return the residuals of states at the nodes, with the states at the start and the quadratures.
+def residual_of(pitch: CollocatedPitch, Y: Array) -> tuple[Array, Array, float, tuple[Array, Array, LineInflow | None]]:
+    """Return the residuals of states at the nodes, with states at the start, quadratures and line flows.
 
     These are the difference of the unknowns from their image, the residual of the stage equations, the largest of both.
     """
     start, (f, g) = pitch.begin(Y), rates(pitch, Y)
     sums = pitch.sums(g)
     life = ShiftedLife.of(pitch, lambda: pitch.install(start, Y))
-    off = pitch.image(sums, life) - pitch.problem.entries.coordinates(pitch.unknowns_in)
+    into = line_inflow(pitch, g)
+    off = pitch.image(sums, life, into) - pitch.problem.entries.coordinates(pitch.unknowns_in)
     open_ = residual(pitch, Y, start, f)
-    return off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums)
+    return off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums, into)
 
 
 def _blocks(pitch: CollocatedPitch, Y: Array, slices: Array) -> Blocks:

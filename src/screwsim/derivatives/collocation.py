@@ -7,12 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.cycle.feedback import LineInflow
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives import chamber_newton, slices
 from screwsim.derivatives.argument_changes import ArgumentChange
 from screwsim.derivatives.chamber_newton import SMALL, ChamberFactors, approach, damped, limited_step, residual_of
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.events import Course, course_of
+from screwsim.derivatives.line_flows import line_inflow
 from screwsim.derivatives.linear import DirectEffects, LinearisedPitch, Response
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.phases import borders
@@ -27,9 +29,7 @@ from screwsim.model.trajectory import Trajectory
 Array = np.ndarray
 STEPS = (4.0, 2.0, 1.0)  # integrator's steps per slice at the start; fewer where more do not close
 ERROR = 0.03  # of the wanted accuracy: error of a slice
-READ_INSIDE = 0.1  # factor on that where flows to pulsating lines are read inside slices, less surely estimated
-WIDER_INSIDE = 0.8  # ... and on the growth of slices around the turning of a flow
-OF_TURN = 0.03  # factor on the error of a slice where there is a single chamber, whose slices cost little
+OF_TURN = 0.03  # factor on that where there is a single chamber, whose slices cost little
 FINE_TURN = 1e-6  # tolerance of a step in the turns after its closed one that tell the events of its valves ...
 FINE_TURNS = 2  # ... which are so many, as a closed cycle is open by its tolerance
 MOST_EVENTS = 300  # of a turn: each is an unknown
@@ -71,8 +71,19 @@ FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # errors of 1e-5 of a derivative, in 9
 QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # errors of 1e-3
 
 
+class Placed(NamedTuple):
+    """Edges of slices [rad] without those around crossings, and the crossings."""
+
+    edges: Array
+    crossings: list[slices.Crossing]
+
+
 class CollocatedCycle(NamedTuple):
-    """A collocated cycle: states at the start and the nodes, rates there, quadratures, numbers, unknowns."""
+    """A collocated cycle: states at the start and the nodes, rates there, quadratures, numbers, unknowns, line flows.
+
+    The flows `into` pulsating lines are None where these are read from a life; `placed` is where its
+    slices end.
+    """
 
     pitch: CollocatedPitch
     start: Array
@@ -81,6 +92,8 @@ class CollocatedCycle(NamedTuple):
     sums: Array
     at: RateNumbers
     unknowns_in: Array
+    into: LineInflow | None
+    placed: Placed
 
 
 class LinearisedCycle(NamedTuple):
@@ -113,6 +126,21 @@ def collocated(problem: Problem, machinery: Machinery, life: Trajectory, finenes
     raise why
 
 
+def collocated_nearby(
+    cycle: CollocatedCycle, problem: Problem, numbers: RateNumbers, moves: Response, fineness: Fineness
+) -> CollocatedCycle:
+    """Return the collocated cycle of a problem nearby, from the numbers and the response that lead there.
+
+    Its slices are those of the first one, but for those around crossings. Raises NotClosed where none is found so.
+    """
+    pitch = cycle.pitch
+    if pitch.alone:
+        raise NotClosed("the events of a turn may be others")
+    pitch.put(numbers)
+    pitch.install_shifted(cycle.start, cycle.nodes, 1.0, moves)
+    return _collocated(problem, pitch.machinery, pitch.machinery.trajectory.copy(), cycle.placed, fineness)
+
+
 def fine_turn(machinery: Machinery, life: Trajectory) -> Trajectory:
     """Return a turn of a single chamber after a closed one, integrated finely: its events are those of the cycle."""
     machinery.put(life)
@@ -126,11 +154,13 @@ def fine_turn(machinery: Machinery, life: Trajectory) -> Trajectory:
 
 
 def _collocated(
-    problem: Problem, machinery: Machinery, life: Trajectory, steps: float, fineness: Fineness
+    problem: Problem, machinery: Machinery, life: Trajectory, begin: float | Placed, fineness: Fineness
 ) -> CollocatedCycle:
-    """Collocate with slices of so many steps first; refine and place them at turning flows until both settle."""
+    """Collocate with slices of so many steps first; refine and place them at turning flows until both settle.
+
+    Or begin with those of a cycle nearby, which need no refinement.
+    """
     machinery.put(life)
-    inside = bool(problem.parts.pulsations)
     seams, course = slices.fixed_edges(machinery, problem.parts), course_of(machinery.trajectory)
     if len(course.events) > MOST_EVENTS:
         raise NotClosed(f"valves meet seat and stop, or leave them, {len(course.events)} times in a turn")
@@ -140,14 +170,17 @@ def _collocated(
     if len(course.events) and np.diff(seams).min() <= slices.LEAST:
         raise NotClosed("a valve meets its seat or stop, or leaves it, at the angle of another event")
     tolerance = fineness.error * ERROR * problem.scene.numerics.accuracy
-    tolerance *= (READ_INSIDE if inside else 1.0) * (OF_TURN if machinery.alone else 1.0)
-    growth = fineness.ring, fineness.wider * (WIDER_INSIDE if inside else 1.0)
-    plain = slices.edges_of(machinery, seams, steps, fineness.longest * slices.LONGEST)
+    tolerance *= OF_TURN if machinery.alone else 1.0
+    if good := isinstance(begin, Placed):
+        plain, before = begin
+    else:
+        plain, before = slices.edges_of(machinery, seams, begin, fineness.longest * slices.LONGEST), []
     pitch = pitch_of(problem, machinery, slices.between(plain), seams, course)
-    Y, turns, linear, good, closing, own = np.empty(0), crossings(pitch), None, False, False, ChamberFactors()
+    Y, linear, closing, own = np.empty(0), None, good, ChamberFactors()
+    turns = _with_vanished(crossings(pitch), before)
     for left in range(ROUNDS, 0, -1):
         highest = peak(machinery.trajectory, problem.parts.geometry)[1] % float(machinery.composition.P[P_PITCH])
-        edges = slices.with_rings(plain, seams, turns, growth, highest)
+        edges = slices.with_rings(plain, seams, turns, (fineness.ring, fineness.wider), highest)
         pitch = pitch_of(problem, machinery, slices.between(edges), seams, course)
         kept = linear if linear is not None and linear.pitch.count == pitch.count and not pitch.alone else None
         within = FIRST_ROUND_FACTOR if left == ROUNDS else STATES_SHARE
@@ -169,7 +202,9 @@ def _collocated(
     if missed := pitch.missed(Y):
         raise NotClosed(missed)
     slopes = pitch.slopes(Y)
-    return CollocatedCycle(pitch, pitch.begin(Y), Y, slopes, pitch.sums(slopes.g), pitch.numbers, pitch.unknowns_in)
+    start, into = pitch.begin(Y), line_inflow(pitch, slopes.g)
+    sums, numbers = pitch.sums(slopes.g), pitch.numbers
+    return CollocatedCycle(pitch, start, Y, slopes, sums, numbers, pitch.unknowns_in, into, Placed(plain, turns))
 
 
 def pitch_of(
@@ -251,7 +286,9 @@ def _closed(
             linear = LinearisedPitch(pitch, Y, pitch.slopes(Y), changes)
         response, of_unknowns = linear.respond(stages, conditions), linear.first
         before = size
-        cycle = CollocatedCycle(pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in)
+        cycle = CollocatedCycle(
+            pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in, read[2], Placed(pitch.slices.edges, [])
+        )
         back = unknowns_response(cycle, of_unknowns, 0)
         change = solve_unknowns(back, off + unknowns_response(cycle, response, 1)[:, 0], _stated_unknowns(back))
         direct, through = response.of(0), of_unknowns.weighted(change)
@@ -325,7 +362,8 @@ def unknowns_response(cycle: CollocatedCycle, response: Response, first: int) ->
                 there[j - first] += by
             pitch.meet(there, unknowns_in)
             life = ShiftedLife.of(pitch, partial(fill, by, j))
-            images.append(pitch.image(cycle.sums + by * response.sums[:, j], life))
+            into = None if cycle.into is None else cycle.into.moved(by * response.lines[..., j])
+            images.append(pitch.image(cycle.sums + by * response.sums[:, j], life, into))
         found[:, j] = (images[0] - images[1]) / (2.0 * SHIFT)
     pitch.put(cycle.at)
     if read:

@@ -14,6 +14,7 @@ from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.argument_changes import ArgumentChange
 from screwsim.derivatives.collocation import CollocatedCycle, LinearisedCycle, linearised
+from screwsim.derivatives.line_flows import open_volumes
 from screwsim.derivatives.linear import DirectEffects
 from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.inputs.faults import UsageError
@@ -36,6 +37,7 @@ class Direction(NamedTuple):
 
     `problem` is the shifted one, `side` its numbers at the cycle; `change` is the effect on the rates, `start` and
     `cells` that on the injection, `stated` that on unknowns that the scene states, in coordinates.
+    `open_volumes` are those of the shifted problem, where the flows into pulsating lines are read from the nodes.
     """
 
     problem: Problem
@@ -45,6 +47,7 @@ class Direction(NamedTuple):
     start: Array
     cells: Array
     stated: Array
+    open_volumes: Array | None
 
     def with_parameters(self, at: slice, change: Array) -> "Direction":
         """Return the direction with a change of parameters per unit of it added, at places in P."""
@@ -93,7 +96,8 @@ class Directions:
         numbers = RateNumbers(*((there - here) / by for there, here in zip(side, own, strict=True)))
         change = self._change(problem, numbers, by)
         start, cells = self._injected(numbers, step)
-        return Direction(problem, side, by, change, start, cells, (given - own_given) / by)
+        open_to_lines = None if self.cycle.into is None else open_volumes(problem, self.cycle.pitch)
+        return Direction(problem, side, by, change, start, cells, (given - own_given) / by, open_to_lines)
 
     def numbers(self, problem: Problem, unknowns_in: Array) -> tuple[RateNumbers, Array]:
         """Return the numbers of a problem with `unknowns_in`, and the coordinates of unknowns that its scene states."""

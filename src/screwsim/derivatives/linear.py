@@ -16,10 +16,12 @@ from screwsim.codegen.kinds import LANES
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.derivatives.argument_changes import SMALL, ArgumentChange, along, along_events, step_of
 from screwsim.derivatives.blocks import Blocks, follow_once
+from screwsim.derivatives.line_flows import by_states, flows_of, pulsates
 from screwsim.derivatives.phases import BorderCrossing
 from screwsim.derivatives.pitch import CollocatedPitch, Slopes
 from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.derivatives.sweeps import compiled
+from screwsim.effects.base import LINES
 from screwsim.numerics.identity_cache import once
 from screwsim.numerics.reused_arrays import zeros
 
@@ -34,16 +36,17 @@ class DirectEffects(NamedTuple):
 
 
 class Response(NamedTuple):
-    """Changes, columns (…, k), of states at the start, of cells, of quadratures and of states at nodes.
+    """Changes, columns (…, k), of states at the start, of cells, of quadratures, of line flows and of states at nodes.
 
-    Those at nodes are linear combinations, by `weights` (K, k), of what was `followed` (slices, NODES, N, K): most
-    are never needed. `events` are the changes of the unknowns of events within a turn, `passed` (events, N, K) those of
-    the states behind them.
+    `lines` are the mean flows [kg/s] into pulsating lines (lines, angles, k) of `line_flows`. Those at nodes are linear
+    combinations, by `weights` (K, k), of what was `followed` (slices, NODES, N, K): most are never needed. `events` are
+    the changes of the unknowns of events within a turn, `passed` (events, N, K) those of the states behind them.
     """
 
     start: Array
     cells: Array
     sums: Array
+    lines: Array
     weights: Array
     followed: Array
     events: Array
@@ -73,18 +76,19 @@ class Response(NamedTuple):
 
     def added(self, other: Response) -> Response:
         """Return the sum with another response that shares what was followed."""
-        start, cells, sums, weights, _, events, _ = other
+        start, cells, sums, lines, weights, _, events, _ = other
         return self._replace(
             start=self.start + start,
             cells=self.cells + cells,
             sums=self.sums + sums,
+            lines=self.lines + lines,
             weights=self.weights + weights,
             events=self.events + events,
         )
 
     def _each(self, made: Callable[[Array], Array]) -> Response:
         """Return the response with a function applied to each array of columns."""
-        names = "start", "cells", "sums", "weights", "events"
+        names = "start", "cells", "sums", "lines", "weights", "events"
         return self._replace(**{name: made(getattr(self, name)) for name in names})
 
 
@@ -109,21 +113,22 @@ def injection(pitch: CollocatedPitch, Y: Array) -> tuple[Array, Array]:
 
 
 class Followed(NamedTuple):
-    """Changes followed through a pitch, a column each: at nodes (slices, NODES, N, K), and of the quadratures.
+    """Changes followed through a pitch, a column each: at nodes (slices, NODES, N, K), of quadratures, of line flows.
 
     Then those of the conditions of events (events, K), and of the states behind these (events, N, K).
     """
 
     nodes: Array
     sums: Array
+    lines: Array
     conditions: Array
     passed: Array
 
     @classmethod
-    def of(cls, nodes: Array, sums: Array, conditions: Sequence[Array], passed: Sequence[Array]) -> Self:
+    def of(cls, nodes: Array, sums: Array, lines: Array, conditions: Sequence[Array], passed: Sequence[Array]) -> Self:
         """Return changes with those of events, of which there may be none."""
         N, K = nodes.shape[-2:]
-        return cls(nodes, sums, np.array(conditions).reshape(-1, K), np.array(passed).reshape(-1, N, K))
+        return cls(nodes, sums, lines, np.array(conditions).reshape(-1, K), np.array(passed).reshape(-1, N, K))
 
     def of_columns(self, columns: slice) -> Self:
         """Return some of the columns."""
@@ -164,9 +169,10 @@ class LinearisedPitch:
         self._known = cells + len(moving)  # columns before those of changes
         columns = self._known + len(changes)
         right = zeros(*Y.shape, -(-columns // LANES) * LANES)  # whole registers, as a partial one takes as long
-        of_rates = along(pitch, Y, pitch.numbers, [*felt, *moving, *changes], right, N)  # cheaper side by side
+        of_rates, lines = along(pitch, Y, pitch.numbers, [*felt, *moving, *changes], right, N)  # cheaper side by side
         right[..., N:cells] /= sizes[self._feels]
         of_rates[:, : len(felt)] /= sizes[self._feels]
+        lines[..., : len(felt)] /= sizes[self._feels]
         of_rates[:, len(felt) : len(felt) + len(moving)] = along_events(pitch, Y, right[..., cells : self._known])
         of_cells = map(pitch.cells_as_numbers, np.eye(len(sizes))[self._feels])
         numbers = [*of_cells, *(each.numbers for each in (*moving, *changes))]
@@ -174,6 +180,7 @@ class LinearisedPitch:
         found.sums[:] += self._summed(found.nodes)
         self._followed = found.of_columns(slice(columns))
         self._followed.sums[:, N:] += of_rates
+        self._followed.lines[..., N:] += lines
         self._around = self._closing()
         self.first = self._responded(self._followed, injected)
 
@@ -188,11 +195,12 @@ class LinearisedPitch:
     ) -> Followed:
         """Return the changes at all nodes from those at the start, past phase borders and events.
 
-        Of the quadratures only the effect of borders is included. `numbers` are the changes of the numbers for the
-        columns after those of states; `now` and `right` are overwritten.
+        Of the quadratures only the effect of borders is included, of line flows all. `numbers` are the changes of the
+        numbers for the columns after those of states; `now` and `right` are overwritten.
         """
         J, widths, states, reach = self._equations
         sums, first, conditions, passed = np.zeros((self.pitch.machinery.nq, right.shape[-1])), 0, [], []
+        jumps = np.zeros((self.pitch.count, len(LINES), right.shape[-1])) if borders and pulsates(self.pitch) else 0.0
         felt = [(k, each) for k, each in enumerate(numbers, self.pitch.N) if self._events and not each.nothing]
         for each in sorted([*borders, *self._events], key=lambda each: each.slice):
             part = slice(first, each.slice + 1)
@@ -205,12 +213,14 @@ class LinearisedPitch:
                 delay[self.pitch.N : self.pitch.N + len(numbers)] += [each.by_numbers(one) for one in numbers]
                 now += np.outer(each.states, delay)
                 sums += np.outer(each.sums, delay)
+                if isinstance(jumps, np.ndarray):
+                    jumps[each.slice] += np.outer(flows_of(self.pitch, each.sums, 0), delay)
             else:
                 conditions.append(each.condition(now, felt))
                 now = each.jumped(now, felt)
                 passed.append(now)
         follow_once(J[first:], widths[first:], states, reach, now, right[first:])
-        return Followed.of(right, sums, conditions, passed)
+        return Followed.of(right, sums, self._lines(right, jumps), conditions, passed)
 
     @once
     def blocks(self) -> Blocks:
@@ -225,6 +235,10 @@ class LinearisedPitch:
             slopes.reshape(-1, *slopes.shape[2:]), nodes.reshape(-1, *nodes.shape[2:]), widths, sums
         )
         return sums
+
+    def _lines(self, nodes: Array, jumps: Array | float = 0.0) -> Array:
+        """Return the change of the mean flows into lines with changes at the nodes, and jumps at the ends of slices."""
+        return by_states(self.pitch, self.slopes.g_by_states, nodes, jumps)
 
     def _returned(self, followed: Followed) -> Array:
         """Return the changes of the next start, of the cells, and of the conditions of events, a column each."""
@@ -252,7 +266,7 @@ class LinearisedPitch:
                 of_events.append(self._events[i].condition(nodes[high - 1, -1], ()) + conditions[i])
                 begins = self._events[i].jumped(nodes[high - 1, -1], ())
                 passed.append(begins)
-        more = Followed.of(nodes, self._summed(nodes), of_events, passed)
+        more = Followed.of(nodes, self._summed(nodes), self._lines(nodes), of_events, passed)
         return self._responded(self._followed.of_columns(slice(self._known)).beside(more))
 
     def _responded(self, followed: Followed, injected: DirectEffects | None = None) -> Response:
@@ -267,4 +281,5 @@ class LinearisedPitch:
         found = self._around @ made
         start, cells, moved = np.split(found, [N, len(found) - events])
         weights = np.concatenate([start, cells[self._feels], moved, np.eye(made.shape[1])])
-        return Response(start, cells, followed.sums @ weights, weights, followed.nodes, moved, followed.passed)
+        sums, lines = (each @ weights for each in (followed.sums, followed.lines))
+        return Response(start, cells, sums, lines, weights, followed.nodes, moved, followed.passed)

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.cycle.feedback import LineInflow, set_unknowns, unknowns
 from screwsim.cycle.feedback import image as image_of
-from screwsim.cycle.feedback import set_unknowns, unknowns
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.events import Course
@@ -361,9 +361,9 @@ class CollocatedPitch:
         begins = float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None] + edges[:-1]
         machinery.install(np.append(begins, c.P[P_LIFE]), life, 0.0)
 
-    def image(self, q: Array, life: Trajectory | None = None) -> Array:
-        """Return the next unknowns, in coordinates, after a life (None: the last history) with quadratures q."""
-        return self.problem.entries.coordinates(image_of(self.problem, life or self.machinery.trajectory, q))
+    def image(self, q: Array, life: Trajectory, into: LineInflow | None) -> Array:
+        """Return the next unknowns, in coordinates, after a life with quadratures q, and flows to lines if known."""
+        return self.problem.entries.coordinates(image_of(self.problem, life, q, into=into))
 
     @property
     def unknowns_in(self) -> Array:

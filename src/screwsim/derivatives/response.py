@@ -65,9 +65,8 @@ def unshifted_evaluation(
     """Return the evaluation of the unchanged cycle, read in the same way as one that is `shifted_evaluation`."""
     pitch = cycle.pitch
     pitch.put(all_directions.own[0])
-    return Evaluation(
-        pitch.problem, ShiftedLife.of(pitch, lambda: pitch.install_life(all_directions.life), turn), cycle.sums
-    )
+    life = ShiftedLife.of(pitch, lambda: pitch.install_life(all_directions.life), turn)
+    return Evaluation(pitch.problem, life, cycle.sums, into=cycle.into)
 
 
 def shifted_evaluation(
@@ -98,4 +97,5 @@ def shifted_evaluation(
     if turn is not None:
         moved = in_step(pitch, response.start, response.inside, response.after, turn.step)
         turning = turn._replace(states=turn.states + by * moved)
-    return Evaluation(problem, ShiftedLife.of(pitch, fill, turning), cycle.sums + by * response.sums)
+    into = cycle.into and cycle.into.moved(by * response.lines, direction.open_volumes)
+    return Evaluation(problem, ShiftedLife.of(pitch, fill, turning), cycle.sums + by * response.sums, into=into)

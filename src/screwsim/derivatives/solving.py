@@ -26,9 +26,17 @@ from screwsim.derivatives.around import (
     problem_at,
     shift_size,
 )
-from screwsim.derivatives.collocation import FINE, CollocatedCycle, Fineness, NotClosed, collocated
+from screwsim.derivatives.collocation import (
+    FINE,
+    CollocatedCycle,
+    Fineness,
+    NotClosed,
+    collocated,
+    collocated_nearby,
+)
 from screwsim.derivatives.directions import Direction, Directions, Structural
 from screwsim.derivatives.driven import closed_with_drive
+from screwsim.derivatives.linear import Response
 from screwsim.derivatives.peak import peak_pressure, peak_step
 from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.derivatives.response import shifted_evaluation, unshifted_evaluation
@@ -115,16 +123,24 @@ def with_settled_surroundings(
         asked = _newton_step(cycle, series, rows) if rows else None
         if asked is None:
             break
-        problem, numbers = asked
-        pitch = cycle.pitch
-        pitch.machinery.put(life)
-        pitch.put(numbers)
-        cycle = collocated(problem, pitch.machinery, pitch.machinery.trajectory.copy(), fineness)
+        problem, numbers, moves = asked
+        try:
+            cycle = collocated_nearby(cycle, problem, numbers, moves, fineness)
+        except (NotClosed, np.linalg.LinAlgError):
+            machinery = cycle.pitch.machinery
+            machinery.put(life)
+            cycle.pitch.put(numbers)
+            cycle = collocated(problem, machinery, machinery.trajectory.copy(), fineness)
     return cycle
 
 
-def _newton_step(cycle: CollocatedCycle, series: Series, rows: Sequence[int]) -> tuple[Problem, RateNumbers] | None:
-    """Return the problem and its numbers after a Newton step of the surroundings; None where these have converged."""
+def _newton_step(
+    cycle: CollocatedCycle, series: Series, rows: Sequence[int]
+) -> tuple[Problem, RateNumbers, Response] | None:
+    """Return the problem, its numbers and the cycle's response to a Newton step of the surroundings.
+
+    None where these have converged.
+    """
     problem, all_directions = cycle.pitch.problem, Directions(cycle)
     here = implied_changes(unshifted_evaluation(cycle, all_directions))[rows]
     if float(np.abs(here).max()) <= LARGEST_RESIDUAL:
@@ -140,7 +156,7 @@ def _newton_step(cycle: CollocatedCycle, series: Series, rows: Sequence[int]) ->
     x[rows] += by * SIZE
     moved = problem_at(problem, series, x)
     unknowns_in = entries.values(entries.coordinates(cycle.unknowns_in) + moves.unknowns @ by, cycle.unknowns_in)
-    return moved, all_directions.numbers(moved, unknowns_in)[0]
+    return moved, all_directions.numbers(moved, unknowns_in)[0], moves.response.weighted(by)
 
 
 def _with_response(own: SideReadings, through: Sequence[SideReadings], rows: Sequence[int]) -> dict[str, float]:

@@ -13,7 +13,7 @@ from screwsim.cycle.cycle_figures import (
     power_losses,
     shaft_power,
 )
-from screwsim.cycle.feedback import image, turn_of
+from screwsim.cycle.feedback import LineInflow, image, turn_of
 from screwsim.cycle.held_work import missed_work
 from screwsim.cycle.pitch import Pitch
 from screwsim.cycle.problem import Problem
@@ -33,9 +33,10 @@ from screwsim.outputs import Figures
 @fast_init
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """A life of a problem's chambers with its quadratures q; `left` and `unknowns_out` where closing knows them.
+    """A life of a problem's chambers with its quadratures q, and what else of it is known already.
 
-    `left` are its balance residuals, `unknowns_out` the next values of the feedback unknowns.
+    `left` are its balance residuals, `unknowns_out` the next values of the feedback unknowns, `into` the flows into
+    pulsating lines.
     """
 
     problem: Problem
@@ -43,6 +44,7 @@ class Evaluation:
     q: Array
     left: Residuals | None = None
     unknowns_out: Array | None = None
+    into: LineInflow | None = None
 
     @once
     def streams(self) -> Array:
@@ -52,7 +54,7 @@ class Evaluation:
     @once
     def turn(self) -> Turn:
         """What effects can read of the life, with the next values of the feedback unknowns."""
-        return turn_of(self.problem, self.life, self.q)
+        return turn_of(self.problem, self.life, self.q, self.into)
 
     @property
     def image(self) -> Array:
@@ -113,7 +115,9 @@ class Evaluation:
     @property
     def complete(self) -> CycleFigures:
         """What a shaft may use of the cycle: the known quantities with the shaft power."""
-        return replace(self.known, shaft_power=self.figures.shaft_power)
+        known, parts = self.known, self.problem.parts
+        lift = oil_lift(parts, known) if parts.oil is not None else 0.0
+        return replace(known, shaft_power=known.indicated_power + lift + sum(self.losses.values()))
 
     @property
     def least(self) -> tuple[float, float]:

@@ -32,6 +32,7 @@ from screwsim.explore.pages import LONGEST_MESSAGE, InvalidMessage, Page, RateLi
 from screwsim.explore.worker import Job
 from screwsim.explore.worker_pool import Timeouts, WorkerPool, start_fork_server
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.customary import with_printed_units
 from screwsim.study.pool.workers import cores
 
 MOST_PAGES = 32  # most pages open at once
@@ -134,7 +135,7 @@ def serve(
     base = open_base(file, overrides, without)
     address = listen(host, port)
     start_fork_server()
-    say(f"{address.url} shows {base.scene.title or file} (Ctrl-C ends it)")
+    say(f"{address.url} shows {with_printed_units(base.scene.title) or file} (Ctrl-C ends it)")
     if browser:
         threading.Timer(0.5, webbrowser.open, (address.url,)).start()
     uvicorn.Server(configured(prepared_server(base, address.rules))).run(sockets=[address.socket])

@@ -142,6 +142,10 @@ NUMBER = Kind(_number, "no number")
 QUANTITY = Kind(lambda given: _number(given) or _text(given), "neither a number nor a text such as '3000 rpm'")
 TEXT = Kind(lambda given: isinstance(given, str), "no text")
 TEXTS = Kind(_texts, "neither a text nor a list of texts")
+OVERRIDES = Kind(
+    lambda given: _texts(given) and not isinstance(given, Mapping),
+    "neither a text nor a list of texts (pass 'PATH=VALUE'; of a loaded scene, .with_ takes a dict)",
+)
 FILE = Kind(_file, "not the path of a file")
 CALLABLE = Kind(callable, "not a function")
 PROGRESS = Kind(_progress, "not a setting of progress (pass True, False or None)")
@@ -149,7 +153,11 @@ NUMBERS = Kind(_numbers, "neither a text such as '140, 163 mm' nor a list of num
 MAPPING = Kind(lambda given: isinstance(given, Mapping), "no dict")
 # arguments that mean the same in every function
 KIND_BY_NAME: dict[str, Kind] = {"figure": TEXT, "jobs": JOBS, "output": FILE, "progress": PROGRESS, "seed": SEED}
-KIND_BY_NAME |= dict.fromkeys(("figures", "overrides", "without"), TEXTS) | dict.fromkeys(("restart", "minimum"), FLAG)
+KIND_BY_NAME |= (
+    {"overrides": OVERRIDES}
+    | dict.fromkeys(("figures", "without"), TEXTS)
+    | dict.fromkeys(("restart", "minimum"), FLAG)
+)
 KIND_BY_NAME |= dict.fromkeys(("simulate", "simulate_many", "warm_up"), CALLABLE)
 
 

@@ -9,10 +9,18 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import difference_unit, reading_unit, shown_name
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import digits
 from screwsim.outputs.display import grouped, picked
 from screwsim.printing import write_json
-from screwsim.printing.tables import plain_table, print_scene_title, print_table, print_text, print_wrapped
+from screwsim.printing.tables import (
+    plain_table,
+    print_scene_title,
+    print_table,
+    print_text,
+    print_wrapped,
+    shown_chance,
+)
 from screwsim.report.calibration import residuals_figure
 from screwsim.report.style import write_all
 from screwsim.results.atomic import make_folder, write_text
@@ -25,10 +33,11 @@ from screwsim.study.calibration.hypotheses import LEAST_CHANCE, chance_of_misfit
 from screwsim.study.calibration.identifiability import CORRELATED, WEAK_VALUE
 from screwsim.study.calibration.other_inputs import errors_by_inputs
 from screwsim.study.calibration.solve import Calibration, ComparedMeasurement
-from screwsim.study.scene_files import FITTED_LINE, fitted_text
+from screwsim.study.scene_files import FITTED_LINE, fitted_text, refuse_base
 from screwsim.study.uncertainty.spreads import not_included
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
+MOST_OF_MISFIT, OUTLIERS_OF = 0.5, 10  # share of chi squared that at most one number in ten makes up, if it is named
 _HALF_INTERVAL = "taken as half of a 95 % interval, two standard deviations (prior: none omits it)"
 
 
@@ -235,11 +244,29 @@ def _quality(found: Calibration) -> Iterator[str]:
         chance = chance_of_misfit(found.chi_squared, found.freedom)
         doubt = "; the model or the uncertainties do not suit the data" if chance < LEAST_CHANCE else ""
         yield (
-            f"the residuals exceed the stated uncertainties, which chance alone does in {chance:.1g} of all "
+            f"the residuals exceed the stated uncertainties, which chance alone does in {shown_chance(chance)} of all "
             f"cases{doubt}; standard errors are multiplied by {found.scale:.3g}"
         )
+        if doubt:
+            yield from _outliers(found, found.chi_squared)
     ends = f"{len(found.as_good)} of {len(found.starts)} starts"
     yield f"as good: {ends}, which end within {found.margin:.3g} of the best chi squared (68 % of the joint region)"
+
+
+def _outliers(found: Calibration, chi_squared: float) -> Iterator[str]:
+    """Yield the few numbers that make up most of chi squared, if few do: often they are mistakes of the table."""
+    fitted = [(each, each.residual) for each in found.compared if each.point.fitted and each.residual is not None]
+    largest = sorted(fitted, key=lambda pair: -abs(pair[1]))[: max(len(fitted) // OUTLIERS_OF, 1)]
+    count, share = 0, 0.0
+    while count < len(largest) and share < MOST_OF_MISFIT:
+        share += largest[count][1] ** 2 / chi_squared
+        count += 1
+    if share >= MOST_OF_MISFIT and len(fitted) >= OUTLIERS_OF:
+        named = ", ".join(f"{each.point.name}: {shown_name(each.figure)} {off:+.3g}" for each, off in largest[:count])
+        yield (
+            f"{share:.0%} of chi squared comes from {count} of {len(fitted)} numbers ({named}): check them; a point "
+            "with check in the column use is predicted and not fitted"
+        )
 
 
 def _warnings(found: Calibration) -> Iterator[str]:
@@ -281,9 +308,12 @@ def _correlations(found: Calibration) -> Iterator[str]:
         yield f"strongest correlations: {'; '.join(strongest)}"
 
 
-def check_folder(folder: Path) -> None:
-    """Raise UsageError where a folder has a foreign file under the name of a calibration's scene or document."""
+def check_folder(folder: Path, scene_file: str) -> None:
+    """Raise UsageError where a folder has a foreign file, or the fit's own scene, under the name of what is written."""
     protect_other_text({folder / SCENE: FITTED_LINE})
+    if os.path.realpath(folder / SCENE) == os.path.realpath(scene_file):
+        raise UsageError(f"-o {folder}: {folder / SCENE} is the scene of the fit itself (name another folder)")
+    refuse_base(folder / SCENE, scene_file, str(folder / SCENE))
     protect_other_json(folder / DOCUMENT, "parameters", "chi_squared", "starts")
 
 

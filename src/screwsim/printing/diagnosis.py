@@ -5,7 +5,14 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.outputs.display import picked
-from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_text, print_wrapped
+from screwsim.printing.tables import (
+    print_left_out,
+    print_scene_title,
+    print_table,
+    print_text,
+    print_wrapped,
+    shown_chance,
+)
 from screwsim.screen import say
 from screwsim.study.asked.inputs import CELSIUS, in_customary, shown_number, shown_value, unit_of_change
 from screwsim.study.calibration.diagnosis import Diagnosis
@@ -143,8 +150,8 @@ def _findings(found: Diagnosis) -> Iterator[str]:
     if found.chance is not None and found.chance < LEAST_CHANCE:
         yield (
             f"warning: the best misfit is {best.misfit:.4g} of {best.freedom} degrees of freedom, which chance alone "
-            f"produces in {found.chance:.1g} of all cases: {'more than two' if pairs else 'several'} have changed, "
-            f"something else did, or the uncertainties are too small"
+            f"produces in {shown_chance(found.chance)} of all cases: {'more than two' if pairs else 'several'} "
+            f"have changed, something else did, or the uncertainties are too small"
         )
     beside = f"; {', '.join(found.inputs)} known to within their tolerances and priors" if found.inputs else ""
     yield f"misfit: chi squared at the best estimate of each{beside}"

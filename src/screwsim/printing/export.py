@@ -56,7 +56,8 @@ Errors = Sequence[tuple[Mapping[str, float], Sequence[float]]]  # values of the 
 
 def print_polynomials(document: Mapping[str, Any], figures: Sequence[str], rows: Errors, files: Sequence[str]) -> None:
     """Print the largest error of each polynomial, one row per map, and the files."""
-    print_text(f"{document['title']} ({document['fluid']})")
+    title, fluid = document["title"], document["fluid"]
+    print_scene_title(title if fluid in title else f"{title} ({fluid})")
     body = [[place_in_words(at) or "map", *map(_percent, errors)] for at, errors in rows]
     print_table(["largest error", *(name.replace("_", " ") for name in figures)], body, 1)
     say("\n".join(files))

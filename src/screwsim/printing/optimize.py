@@ -25,6 +25,7 @@ OTHER_FIGURES = (
     *("free_air_delivered", "package_specific_power"),
     *("cooling_capacity", "shaft_power", "cop", "discharge_temperature"),
 )
+OF_HEATING = {"cooling_capacity": "heating_capacity", "cop": "heating_cop"}
 
 
 def optimize_document(found: Optimum) -> dict[str, Any]:
@@ -74,7 +75,7 @@ def print_optimize(found: Optimum) -> None:
     ends = {span.path: (span.low, span.high) for span in asked.spans}
     shown = {path: [shown_value(asked.scene, path, end) for end in both] for path, both in ends.items()}
     ranges = ", ".join(f"{path} {low} … {high}" for path, (low, high) in shown.items())
-    print_text(f"{' and '.join(senses)}{over}, varying {ranges}")
+    print_text(f"{' and '.join(senses)}{over}, varying {ranges}" if ranges else f"the scene itself{over}")
     for bound in asked.bounds:
         print_text(f"subject to {shown_name(bound.figure)} {bound.sign} {figure_text(bound.figure, bound.value)}")
     print_wrapped(asked.points.told)
@@ -88,8 +89,9 @@ def print_optimize(found: Optimum) -> None:
     for count, text in kinds_of(found.warnings.values()):
         of_front = "" if len(found.front) == 1 else f" in {count} of the {len(found.front)}"
         print_text(f"warning{of_front}: {text}")
-    say()
-    print_wrapped(_counts(found))
+    if asked.spans:
+        say()
+        print_wrapped(_counts(found))
 
 
 def _print_best(found: Optimum) -> None:
@@ -100,9 +102,10 @@ def _print_best(found: Optimum) -> None:
         reach = found.reach[path]
         mark = BORDER_MARKS[reach.border]
         rows.append([path, shown_value(asked.scene, path, value, VALUE_DIGITS) + mark, _reach(found, path, reach)])
-    print_table(["", "best", "as good"], rows, 1)
+    if rows:
+        print_table(["", "best", "as good"], rows, 1)
+        say()
     value, error = found.aims[row, 0], found.errors[row, 0]
-    say()
     say(f"{shown_name(aim.figure)} {figure_text(aim.figure, value)}, error {error_text(aim.figure, value, error)}")
     print_wrapped(_by_inputs(found))
     for name in getattr(asked.scene, "beside", ()):
@@ -146,7 +149,8 @@ def _print_points(found: Optimum) -> None:
     """Print a table of the operating points at the best evaluation."""
     asked, points = found.asked, found.asked.points
     sought = [aim.figure for aim in asked.aims]
-    names = list(dict.fromkeys((*sought, *(bound.figure for bound in asked.bounds), *OTHER_FIGURES)))
+    others = [OF_HEATING.get(name, name) for name in OTHER_FIGURES] if points.heating else OTHER_FIGURES
+    names = list(dict.fromkeys((*sought, *(bound.figure for bound in asked.bounds), *others)))
     there = [name for name in names if all(point.result.performance.get(name) is not None for point in found.points)]
     weight = "energy share" if points.energy else "weight"
     paths = list(dict.fromkeys(path for point in found.points for path in point.values))

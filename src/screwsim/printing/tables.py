@@ -11,6 +11,7 @@ from screwsim.screen import printable, say
 
 WIDTH = 80
 NARROWEST = 12  # least width of a first column that has others beside it
+LEAST_SHOWN_CHANCE = 1e-6  # of a misfit
 
 
 def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int = 0) -> list[str]:
@@ -87,3 +88,8 @@ def absent_figures(figures: Mapping[str, Any], notes: Mapping[str, str]) -> dict
 def print_left_out(reasons: Mapping[str, str]) -> None:
     """Print the points without a solution, and the reasons."""
     print_wrapped(f"left out: {name} has no solution: {reason}" for name, reason in reasons.items())
+
+
+def shown_chance(chance: float) -> str:
+    """Return a probability of a misfit in words; of a tiny one its digits say nothing."""
+    return f"{chance:.1g}" if chance >= LEAST_SHOWN_CHANCE else f"fewer than {LEAST_SHOWN_CHANCE:g}"

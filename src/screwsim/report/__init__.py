@@ -38,11 +38,15 @@ def plot(path: str | Path, folder: str | Path | None = None, measured: Indicated
 
 def _why(results: Results) -> str:
     """Return why a file has nothing to draw, with the remedy."""
+    from screwsim.report import front
+
     if set(results.status.reshape(-1).tolist()) == {"failed"}:
         first = str(results.messages.ravel()[0]).splitlines()
         return f"all cases failed (the first: {first[0] if first else 'no message'})"
     if not results.axis_list:
         return "no cycle (write it with `screwsim run -o`)"
+    if front.objective_names(results):
+        return "nothing was varied (screwsim report makes a page of its operating points)"
     if any(axis.joined for axis in results.axis_list):
         return "its paths vary together, and none of them is numeric (read it with xarray, or sweep one path)"
     bad = int((results.status != "ok").sum())

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from screwsim.report.quantities import Display, is_numeric, shown_axis, shown_figure
-from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, note, panels, plain_ticks
+from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, note, panels, plain_ticks, upright
 from screwsim.report.sweeps import Plan, label_axes
 from screwsim.results import Results
 from screwsim.results.optimum import AIM
+from screwsim.results.schema import Axis
 
 _MOST = 5000  # most evaluations drawn in a panel; those of the front are all drawn
 _LIGHT = "#b9b9b9"  # evaluations that are not best
@@ -22,8 +23,13 @@ def plans(results: Results) -> Iterator[Plan]:
     names = objective_names(results)
     if len(names) > 1:
         yield "front", partial(_front, results, names)
-    if names:
+    if names and _varied(results):
         yield "evaluations", partial(_evaluations, results, names)
+
+
+def _varied(results: Results) -> list[Axis]:
+    """Return the paths that were varied; none where a scene was rated over operating points as it is."""
+    return [axis for axis in results.axis_list[0].joined if is_numeric(axis)]
 
 
 def objective_names(results: Results) -> list[str]:
@@ -70,7 +76,7 @@ def _front(results: Results, names: list[str]) -> Any:
         order = front[np.argsort(x[front])]
         line = {"linestyle": "-" if len(names) == 2 else "", "linewidth": 0.8}
         axes.plot(x[order], y[order], marker=".", color=COLOURS[1], markersize=4.0, **line)
-        axes.set(xlabel=across.label, ylabel=up.label)
+        axes.set(xlabel=across.label, ylabel=upright(up.label))
         plain_ticks(axes.xaxis, axes.yaxis)
         axes.margins(0.05)
     note(figure, *_remarks(results))
@@ -84,7 +90,7 @@ def _draw_others(axes: Any, x: np.ndarray, y: np.ndarray, inside: np.ndarray, ou
 
 def _evaluations(results: Results, names: list[str]) -> Any:
     """Draw each objective over each path that was varied."""
-    varied = [axis for axis in results.axis_list[0].joined if is_numeric(axis)]
+    varied = _varied(results)
     inside, outside, front = _rows(results)
     pairs = [(name, axis) for name in names for axis in varied]
     columns = min(len(varied), 3) if len(pairs) > 1 else 1

@@ -66,7 +66,6 @@ MASS_FLOW = Display("mass flow into the chamber", r"$\dot m$", "g/s", 1e3)
 SPEED = Display("male-rotor speed", "$n$", "rpm", 1.0 / RPM)
 RATIO = Display("oil-to-gas mass ratio", "$d$", "kg/kg", 1.0)
 _RATIOS = {"oil_ratio": RATIO, "cop": Display("COP", "", "W/W", 1.0)}  # shown as a ratio of units
-_WORDS = {"package_specific_power": "specific power"}  # a label must fit beside its panel
 
 EFFICIENCIES = ("isothermal_efficiency", "isentropic_efficiency")  # the one with more values is shown
 _SYMBOLS = {
@@ -132,7 +131,7 @@ def shown_figure(results: Results, name: str) -> Display:
     if name in _RATIOS:
         of_shaft = name == "cop" and "electrical_cop" in results.performance
         return _RATIOS[name]._replace(words="COP of the shaft power") if of_shaft else _RATIOS[name]
-    words, symbol = _WORDS.get(name, shown_name(name)), _SYMBOLS.get(name, "")
+    words, symbol = shown_name(name), _SYMBOLS.get(name, "")
     about = results.figure(name)
     if about.units == "K":
         return celsius(words, symbol)

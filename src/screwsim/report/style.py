@@ -3,6 +3,7 @@
 No global state of matplotlib is used or left changed, and a reader's own matplotlibrc has no effect.
 """
 
+import re
 import textwrap
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -17,6 +18,7 @@ MM = 1.0 / 25.4  # [inch]
 SINGLE, DOUBLE = 88.0, 180.0  # [mm] width of one and of two columns
 SMALL = 7.0  # [pt] notes and direct labels
 DPI = 200.0
+LONGEST_LABEL = 32  # letters of a label that fits beside a panel of a figure with several
 GREY = "#6e6e6e"  # guides: lines that are not data
 WHITE_BOX = {"frameon": True, "facecolor": "white", "edgecolor": "none", "framealpha": 1.0}  # of a legend over curves
 
@@ -132,6 +134,13 @@ def panels(
     for axes in places.flat[count:]:
         axes.remove()
     return figure, list(places.flat[:count])
+
+
+def upright(label: str) -> str:
+    """Return the label of a vertical axis, its unit on a second line where one line would be longer than the axis."""
+    words, _, unit = label.partition(" (")
+    long = len(re.sub(r"\$.*?\$", "xx", label)) > LONGEST_LABEL
+    return f"{words}\n({unit}" if unit and long else label
 
 
 def angle_axis(axes: Any, first: float, last: float, marks: Iterable[float] = (), major: float = 120.0) -> None:

@@ -13,7 +13,18 @@ from screwsim.report import families
 from screwsim.report.annotate import label_along, label_ends
 from screwsim.report.families import Curve, Family, curves_of, is_log, left_out, slices
 from screwsim.report.quantities import RATIO, SPEED, shown_axis, shown_figure
-from screwsim.report.style import DOUBLE, SINGLE, line_style, log_scale, new_figure, note, panels, plain_ticks, subplots
+from screwsim.report.style import (
+    DOUBLE,
+    SINGLE,
+    line_style,
+    log_scale,
+    new_figure,
+    note,
+    panels,
+    plain_ticks,
+    subplots,
+    upright,
+)
 from screwsim.results import Results
 
 Plan = tuple[str, Callable[[], Any]]  # name of a figure, and the function that draws it
@@ -161,7 +172,7 @@ def label_curves(panels: Iterable[tuple[Any, list[Curve]]], heading: str) -> Non
 
 def label_axes(axes: Any, x_label: str, y_label: str, x: list[np.ndarray], room: float = 0.0) -> None:
     """Label both axes; x spans its values, with room on either side, and is logarithmic if they suit that."""
-    axes.set(xlabel=x_label, ylabel=y_label)
+    axes.set(xlabel=x_label, ylabel=upright(y_label))
     values = np.concatenate(x)
     if is_log(values):
         log_scale(axes, float(np.max(values) / np.min(values)))

@@ -220,6 +220,17 @@ def _read_base(node: Node, trail: tuple[str, ...], problems: LocatedFaults) -> N
     return _read_file(path, start, (*trail, real), problems, at)
 
 
+def bases_of(path: str) -> list[str]:
+    """Return the real paths of the files that a scene's file is based on, from the nearest on; the scene is valid."""
+    found = [os.path.realpath(shipped_name(path))]
+    while True:
+        root = compose(read_text(found[-1], MOST_YAML), Position(0, found[-1]), LocatedFaults())
+        base = root.value.get("base") if root is not None else None
+        if base is None or base.value is None:
+            return found[1:]
+        found.append(os.path.realpath(os.path.join(os.path.dirname(found[-1]), base.value)))
+
+
 def _override(root: Node, override: str, place: Position, problems: LocatedFaults, told: str) -> Node:
     """Return the tree changed by one `PATH=VALUE`; `told` is put before the override in messages."""
     path, equals, text = override.partition("=")

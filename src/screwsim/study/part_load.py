@@ -54,6 +54,7 @@ class LoadFigures(NamedTuple):
 
 
 REFRIGERATION = LoadFigures("cooling_capacity", "cop", "there is no cooling capacity")
+HEATING = LoadFigures("heating_capacity", "heating_cop", "there is no heating capacity")
 GAS = LoadFigures("gas_mass_flow", "isentropic_efficiency", "nothing is delivered")
 
 

@@ -13,6 +13,7 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.results.atomic import check_writable, make_folder, protect_others, write_text
 from screwsim.scene import Scene, leaf_of, loads, scene_text
 from screwsim.scene.fields import effect_keys
+from screwsim.scene.load import bases_of
 from screwsim.scene.values import text_of
 from screwsim.scene.write import quoted, relative_to
 from screwsim.study.asked.inputs import shown_value
@@ -27,13 +28,24 @@ VALUE_DIGITS = 7  # of a fitted value: far below its error
 FITTED_LINE = "# Fitted by: screwsim calibrate"  # start of a scene that a calibration wrote
 
 
-def check_scene_file(path: Path, option: str = "-o") -> None:
-    """Raise UsageError where no scene may be written: wrong suffix, a file that no study wrote, or a refused place."""
+def check_scene_file(path: Path, option: str = "-o", own: str = "") -> None:
+    """Raise UsageError where no scene may be written: wrong suffix, a file that no study wrote, or a refused place.
+
+    A base of the scene file `own` is such a place: the scene would become another one, or its own base.
+    """
     if path.suffix.lower() not in (".yaml", ".yml"):
         good = path.with_suffix(".yaml")
         raise UsageError(f"{option} {path}: a scene file must end in .yaml (write {option} {good})")
     protect_others(path, FIRST_LINE.encode())
+    if own:
+        refuse_base(path, own, f"{option} {path}")
     check_writable(path)
+
+
+def refuse_base(path: Path, own: str, where: str) -> None:
+    """Raise UsageError where a file that would be written is a base of the scene file `own`."""
+    if os.path.realpath(path) in bases_of(own):
+        raise UsageError(f"{where}: {own} is based on this file (choose another name)")
 
 
 def write_found(
@@ -47,12 +59,13 @@ def write_found(
 ) -> str:
     """Write the scene `found` with `values` [SI] over a scene file and its overrides, and return the path.
 
-    `told` says in the first line what wrote the file: 'find x.yaml; …'.
+    It is written whole where it replaces that scene file, which is then no base, and where it is another one than over
+    it. `told` says in the first line what wrote the file: 'find x.yaml; …'.
     """
     make_folder(path.parent)
     head, found = _first_line(told), _with_sizes(found, values)
     text = head + _text_over_base(found, values, file, overrides, without, path.parent)
-    if not _is_same_scene(text, found, path.parent):
+    if os.path.realpath(path) == os.path.realpath(file) or not _is_same_scene(text, found, path.parent):
         text = head + scene_text(replace(found, folder=os.path.abspath(path.parent)))
     return write_text(path, text)
 

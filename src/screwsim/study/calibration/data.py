@@ -195,11 +195,21 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
         raise Refused(f"is not known (a unit stands in square brackets: {in_brackets[1]} [{in_brackets[2]}])")
     if "." not in name:
         known_names = [*figures, "name", "use", *leaves_of(scene)]
-        raise Refused(unknown_key(name, known_names, "a scene path or a figure"))
+        raise Refused(unknown_key(name, known_names, "name, use, a scene path or a figure"))
     leaf = leaf_of(scene, name)
-    if unit and leaf.dimension is None:
-        raise Refused("has no unit (remove the brackets)")
+    if unit:
+        _check_unit(leaf, unit)
     return _Column("path", name, unit, leaf)
+
+
+def _check_unit(leaf: Leaf, unit: str) -> None:
+    """Raise `Refused` where the unit in the head of a path's column is none of the path."""
+    if leaf.dimension is None:
+        raise Refused("has no unit (remove the brackets)")
+    try:
+        parse_quantity(leaf.dimension, f"1 {unit}")
+    except Refused as refusal:
+        raise Refused(str(refusal).replace(repr(f"1 {unit}"), f"unit {shown(unit)}")) from None
 
 
 def odd_uncertainty(value: float, own: float) -> str:

@@ -98,7 +98,9 @@ def _sheet_of_scene(scene: Scene, asked: SheetOptions) -> Sheet:
 
         pressures = {name: ranges.get(name) for name in BY_PRESSURE}
         _refuse_unused_options(pressures, "the scene states saturation temperatures")
-        request = rating_request(scene, ranges.get("--evaporating"), ranges.get("--condensing"), bounds, units)
+        request = rating_request(
+            scene, ranges.get("--evaporating"), ranges.get("--condensing"), bounds, units, asked.heating
+        )
         return refrigeration_sheet(rating(request, asked.jobs, asked.progress), asked.heating)
     from screwsim.study.datasheet import gas_sheet
 
@@ -125,7 +127,7 @@ def _sheet_of_stages(chain: StageChain, asked: SheetOptions) -> Sheet:
     unused: dict[str, Any] = {name: text for name, text in asked.ranges.items() if name not in options}
     unused |= {} if rating.refrigerates(chain) else {"--heating": asked.heating or None}
     _refuse_unused_options(unused, f"these two stages are rated over {' and '.join(options)}")
-    request = rating.rating_request(chain, asked.ranges, limits_of(chain, asked.limits), units)
+    request = rating.rating_request(chain, asked.ranges, limits_of(chain, asked.limits), units, asked.heating)
     return stages_sheet(rating.rating(request, asked.jobs, asked.progress), asked.heating)
 
 

@@ -24,7 +24,7 @@ from screwsim.study.asked.goals import Bound
 from screwsim.study.asked.inputs import ends_of, read_text, shown_range, shown_value
 from screwsim.study.datasheet.bounds import EnvelopeRange, envelope, motor_of
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.part_load import LOADS, REFRIGERATION, SPEED_PATH, Control, LoadFigures, PartLoad, part_load
+from screwsim.study.part_load import GAS, LOADS, REFRIGERATION, SPEED_PATH, Control, LoadFigures, PartLoad, part_load
 from screwsim.study.pool.parallel import parallel_map
 from screwsim.study.pool.progress import Progress
 from screwsim.study.pool.workers import WORKER_DIED
@@ -106,7 +106,7 @@ class RatingRequest(ABC):
     @property
     def by_lift(self) -> bool:
         """Whether both axes are temperatures of saturation, between which a refrigeration machine works."""
-        return self.aim == REFRIGERATION and (self.across.path, self.down.path) == (EVAPORATING, CONDENSING)
+        return self.aim != GAS and (self.across.path, self.down.path) == (EVAPORATING, CONDENSING)
 
     def is_small(self, across: float, down: float) -> bool:
         """Return whether the axes alone show too small a lift or pressure ratio, which a scene may not allow."""
@@ -298,7 +298,7 @@ def case_scene(asked: SceneRequest, across: float, down: float) -> Scene | Resul
     if faults:
         return Result("failed", message=faults[0])
     scene = with_values(asked.scene, values)
-    return scene if asked.aim == REFRIGERATION or pressure_ratio(scene) >= LEAST_RATIO else None
+    return scene if asked.aim != GAS or pressure_ratio(scene) >= LEAST_RATIO else None
 
 
 def pressure_ratio(scene: Scene) -> float:

@@ -4,9 +4,10 @@ A scene that sweeps these temperatures is rated at their values, another one at 
 cooler replaces the condenser, its pressure replaces the condensing temperature.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from screwsim.figures.engineering import shown_name
 from screwsim.fluid.composition import is_blend
 from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import Scene, value_at
@@ -22,7 +23,8 @@ from screwsim.study.datasheet.rated import Axis, Rating, RatingRequest, SceneRat
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
 from screwsim.study.datasheet.tables import DUTY
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.part_load import CONTROL_ENDS, RATIO_PATH, controls, ratios
+from screwsim.study.part_load import CONTROL_ENDS, RATIO_PATH, REFRIGERATION, controls, ratios
+from screwsim.study.part_load import HEATING as BY_HEATING
 
 CAPACITY, FLOW, DISCHARGE = "cooling_capacity", "gas_mass_flow", "discharge_temperature"
 HEATING, HEATING_COPS = "heating_capacity", ("heating_cop", "electrical_heating_cop")
@@ -111,7 +113,8 @@ def heating_line(rated: Rating[Any]) -> tuple[str, str]:
 def _drawings(rated: SceneRating) -> Iterator[Drawing]:
     asked, columns = rated.asked, columns_of(rated)
     yield from tables.drawings_over_across(rated, (columns[0], columns[2]))
-    yield from tables.part_load_drawing(rated, columns[2], f"Part load: {columns[2].title}")
+    best = heating_columns(rated)[1] if rated.asked.aim == BY_HEATING else columns[2]
+    yield from tables.part_load_drawing(rated, best, f"Part load: {best.title}")
     if len(rated.reach) > 1 and asked.down.path == CONDENSING:
         corners = [(each.at, each.low) for each in rated.reach]
         corners += [(each.at, each.high) for each in reversed(rated.reach)] + corners[:1]
@@ -122,16 +125,25 @@ def _drawings(rated: SceneRating) -> Iterator[Drawing]:
 
 
 def rating_request(
-    scene: Scene, evaporating: str | None, condensing: str | None, bounds: Mapping[Bound, str], units: Units = METRIC
+    scene: Scene,
+    evaporating: str | None,
+    condensing: str | None,
+    bounds: Mapping[Bound, str],
+    units: Units = METRIC,
+    heating: bool = False,
 ) -> SceneRequest:
-    """Return what is rated of a scene; raise UsageError where it varies something else, or a range is invalid."""
+    """Return what is rated of a scene; raise UsageError where it varies something else, or a range is invalid.
+
+    Part loads are shares of the cooling capacity, with `heating` of the heating capacity.
+    """
     second = GAS_COOLER_P if scene.operation.gas_cooler is not None else CONDENSING
     over = f"{EVAPORATING}, {second} and controls of the capacity"
     base = rating.without_sweep(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
     across = axis_values(base, EVAPORATING, evaporating, "--evaporating", rating.swept_values(scene, EVAPORATING))
     down = axis_values(base, second, condensing, "--condensing", rating.swept_values(scene, second))
+    aim = BY_HEATING if heating else REFRIGERATION
     varied = {"controls": controls(scene), "ratios": ratios(scene), "units": units}
-    return SceneRequest(scenes=(base,), across=across, down=down, bounds=bounds, **varied)
+    return SceneRequest(scenes=(base,), across=across, down=down, bounds=bounds, aim=aim, **varied)
 
 
 def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tuple[float, ...]) -> Axis:
@@ -216,7 +228,17 @@ def tables_of(rated: SceneRating, heating: bool) -> Iterator[Table]:
     cooled = rated.asked.down.path == GAS_COOLER_P
     yield from tables.envelope_table(rated, "pressure of the gas cooler" if cooled else "")
     yield from lives_table(*tables.points_within_limits(rated, own_point(rated.asked)), units=rated.asked.units)
-    load = f"cooling capacity relative to that of the scene itself, at {own_point(rated.asked)}"
-    note = tables.part_load_note(rated, load, "COP")
+    load = f"{shown_name(rated.asked.aim.load)} relative to that of the scene itself, at {own_point(rated.asked)}"
     discharge = (f"discharge {columns[4].unit}", columns[4])
-    yield from tables.part_load_table(rated, columns, (discharge,), note, "COP there")
+    main = part_load_columns(rated, columns)
+    note = tables.part_load_note(rated, load, "COP")
+    yield from tables.part_load_table(rated, main, (discharge,), note, "COP there")
+
+
+def part_load_columns(rated: Rating[Any], columns: Sequence[Column]) -> tuple[Column, Column, Column]:
+    """Return the main columns at part load: capacity, power and COP, of heating where loads are those of heating."""
+    capacity, power, cop = columns[:3]
+    if rated.asked.aim != BY_HEATING:
+        return capacity, power, cop
+    heat, heating_cop = heating_columns(rated)
+    return heat, power, heating_cop

@@ -29,6 +29,7 @@ from screwsim.study.datasheet.rated import DEAD, Axis, Part, Rating, RatingReque
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.part_load import (
     GAS,
+    HEATING,
     LOADS,
     REFRIGERATION,
     SETTING_COUNT,
@@ -96,9 +97,16 @@ def axis_options(chain: StageChain) -> dict[str, str]:
 
 
 def rating_request(
-    chain: StageChain, ranges: Mapping[str, str | None], bounds: Mapping[Bound, str], units: Units = METRIC
+    chain: StageChain,
+    ranges: Mapping[str, str | None],
+    bounds: Mapping[Bound, str],
+    units: Units = METRIC,
+    heating: bool = False,
 ) -> ChainRequest:
-    """Return what is rated, given ranges of the axes' options; raise UsageError in one line."""
+    """Return what is rated, given ranges of the axes' options; raise UsageError in one line.
+
+    Part loads of a plant are shares of the cooling capacity, with `heating` of the heating capacity.
+    """
     (first, inlet), (second, outlet) = axis_options(chain).items()
     names = FIRST + inlet, SECOND + outlet
     others = [name for name in chain.sweep if name not in names]
@@ -119,7 +127,7 @@ def rating_request(
         bounds=bounds,
         controls=(Control(BOTH, SPEED_PATH, tuple(settings)),),
         units=units,
-        aim=REFRIGERATION if refrigerates(chain) else GAS,
+        aim=(HEATING if heating else REFRIGERATION) if refrigerates(chain) else GAS,
     )
 
 
@@ -143,7 +151,7 @@ def _axis(chain: StageChain, scene: Scene, name: tuple[str, str], text: str | No
 def rating(asked: ChainRequest, jobs: int | None = None, progress: Progress | None = None) -> ChainRating:
     """Return the rating; raise UsageError, in one line, where no point of the table can be computed."""
     if all(asked.is_small(*case) for case in itertools.product(asked.across.values, asked.down.values)):
-        low = "temperatures" if asked.aim == REFRIGERATION else "pressures"
+        low = "pressures" if asked.aim == GAS else "temperatures"
         raise UsageError(
             f"datasheet: no point of the table can be computed: the {low} of both ends are too near to each other "
             f"(state other ranges with {' and '.join(axis_options(asked.chain))})"

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.figures.engineering import shown_name
 from screwsim.outputs import Result
 from screwsim.outputs.customary import RPM, with_printed_units
 from screwsim.scene import Scene
@@ -132,11 +133,12 @@ def _tables(rated: ChainRating, heating: bool) -> Iterator[Table]:
     more = refrigeration_sheet.heating_columns(rated) if heating else ()
     yield from tables.tables_of(rated, (*columns, *more))
     yield from tables.envelope_table(rated)
-    what = "cooling capacity" if refrigerates(rated.asked.chain) else "mass flow"
+    what = shown_name(rated.asked.aim.load).removeprefix("gas ")
     note = f"load: {what} relative to that at {own}; setting: share of the speeds of both stages"
     between = in_units(INTERMEDIATE_COLUMN, units)
     discharge = (f"discharge {units.degree}", Column(DISCHARGES[1], "", 1.0, 1, True, units))
-    yield from tables.part_load_table(rated, columns, ((between.title, between), discharge), note)
+    main = refrigeration_sheet.part_load_columns(rated, columns)
+    yield from tables.part_load_table(rated, main, ((between.title, between), discharge), note)
     yield from _intermediate_table(rated, columns)
 
 

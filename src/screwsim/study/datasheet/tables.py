@@ -20,7 +20,7 @@ from screwsim.study.datasheet.columns import NONE, Column
 from screwsim.study.datasheet.rated import Axis, Rating
 from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.part_load import REFRIGERATION, SPEED_PATH, LoadStep, PartLoad
+from screwsim.study.part_load import GAS, SPEED_PATH, LoadStep, PartLoad
 
 BLANK, MARK = "\u00a0", "*"
 DUTY = "oil_cooler_duty"
@@ -66,7 +66,7 @@ def power_in_words(columns: Sequence[Column]) -> str:
 
 def main_heads(rated: Rating, columns: Sequence[Column]) -> list[tuple[str, Column]]:
     """Return the heads of the three main columns of a sheet: capacity or flow, power, COP or efficiency."""
-    what, best = ("capacity", "COP") if rated.asked.aim == REFRIGERATION else ("flow", "η_s %")
+    what, best = ("flow", "η_s %") if rated.asked.aim == GAS else ("capacity", "COP")
     first, power = f"{what} {columns[0].unit}", f"{columns[1].title.split()[0].lower()} {columns[1].unit}"
     return list(zip((first, power, best), columns, strict=False))
 
@@ -228,6 +228,7 @@ def document_of(rated: Rating, names: Sequence[str], own: str) -> dict[str, Any]
         "envelope": [
             {first: each.at, second: [each.low, each.high], "ends": [*each.ends_in_words()]} for each in rated.reach
         ],
+        "part_load_of": asked.aim.load,
         "part_load": [_control(load, names) for load in rated.loads],
         **lives_document(*points_within_limits(rated, own)),
         "warnings": list(dict.fromkeys(text for result in every for text in result.warnings)),

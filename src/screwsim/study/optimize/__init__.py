@@ -120,7 +120,7 @@ class Optimum(Brief):
 )
 def optimize(
     scene: SceneLike,
-    vary: Iterable[str] | Mapping[str, tuple[float, float]],
+    vary: Iterable[str] | Mapping[str, tuple[float, float]] = (),
     maximize: Iterable[str] = (),
     minimize: Iterable[str] = (),
     *,
@@ -140,6 +140,8 @@ def optimize(
                                   maximize=["isentropic_efficiency", "cooling_capacity"])
         found.values_at(found.front[0]), found.aims[found.front]
 
+    With `over` nothing need vary: `screwsim.optimize("x.yaml", over="SCOP-55")` rates the scene itself over the points.
+
     The scene is what `load` returns, the path of a file (also of two stages, without `over`), YAML text, or a dict
     laid out as the file is. Paths, aims and limits are written as in `question`. `progress`: True shows a bar or a
     line on stderr, None a bar in a notebook, False nothing. With `output` all evaluations are kept in an HDF5 file (of
@@ -157,7 +159,8 @@ def optimize(
 
 def spans_of(scene: Varied, vary: Iterable[str]) -> dict[str, tuple[float, float]]:
     """Return the ranges [SI] of texts 'PATH=LOW..HIGH', or 'PATH' of an axis of the scene's sweep."""
-    return {span.path: (span.low, span.high) for span in read_spans(scene, as_list(vary), ranged=True)}
+    texts = as_list(vary)
+    return {span.path: (span.low, span.high) for span in read_spans(scene, texts, ranged=True)} if texts else {}
 
 
 def run_question(
@@ -246,7 +249,8 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
     came = figure_text(bound.figure, bound.value + (off if bound.sign == "<" else -off))
     asked = f"{bound.figure}{bound.sign}{figure_text(bound.figure, bound.value)}"
     nearest = f"{asked} was required, and the nearest is {came}"
-    return f"no evaluation is within the bounds: {nearest} (widen the ranges, or the bound)"
+    remedy = "widen the ranges, or the bound" if record.asked.spans else "widen the bound, or vary a path"
+    return f"no evaluation is within the bounds: {nearest} ({remedy})"
 
 
 def _equally_good_range(

@@ -12,10 +12,11 @@ from screwsim.outputs import STATUSES, Result
 from screwsim.results.table import Table
 from screwsim.scene import Scene, lines, refrigerating_effect
 from screwsim.study.asked.goals import Goal
-from screwsim.study.asked.spans import Span
+from screwsim.study.asked.spans import Span, read_spans
 from screwsim.study.asked.varied import Varied, accuracy_of, value_at, with_values
 from screwsim.study.optimize.points import OperatingPoint, OperatingPoints
 from screwsim.study.optimize.question import Question
+from screwsim.study.part_load import CONTROL_ENDS
 from screwsim.study.pool.solving import Simulate, simulated_if_valid
 from screwsim.study.seek import one_goal
 from screwsim.study.seek.trials import Trials, size_of
@@ -23,7 +24,6 @@ from screwsim.study.seek.trials import Trials, size_of
 LOAD_TOLERANCE = 5e-3  # of a part load: the standards measure at loads within some percent
 LEAST_CONTROL, MOST_CONTROL = 0.05, 1.3  # of the full load's control, the first times the load: search range
 NOT_SIMULATED = "not simulated, because another operating point has no result"
-COOLING_COPS = "cop", "electrical_cop"  # cooling over work at the shaft, or at the motor
 
 
 class Evaluation(NamedTuple):
@@ -76,11 +76,13 @@ def _part_load_result(
 ) -> tuple[dict[str, float], Result]:
     """Return the control and the result at a part load of the full one's capacity."""
     result, control = full
-    capacity = result.performance.cooling_capacity
-    low, high = sorted((LEAST_CONTROL * load * control, MOST_CONTROL * control))
+    capacity = result.performance[points.capacity]
+    low, high = _control_range(scene, points.by, control, load)
     start = load * control * result.performance.volumetric_cooling_capacity / _cooling(scene, result)
+    if points.heating:
+        start *= _less_work(scene, result)
     span = Span(points.by, low, high, min(max(start, low), high) if points.by == "operation.speed" else control)
-    goal = Goal("cooling_capacity", load * capacity)
+    goal = Goal(points.capacity, load * capacity)
     trials = Trials(scene, (span,), (goal,), simulate, LOAD_TOLERANCE)
     met = one_goal.solve(trials)
     if met is None or met.result is None:
@@ -101,6 +103,30 @@ def _cooling(scene: Scene, full: Result) -> float:
     return float(then.volumetric_cooling_capacity * here / effect * density)
 
 
+def _control_range(scene: Scene, by: str, control: float, load: float) -> tuple[float, float]:
+    """Return the range of a control [SI] for a part load: from its full setting to its end, where that is larger."""
+    _, end = CONTROL_ENDS.get(by, ("", None))
+    if end is not None and end > control:
+        return control, end
+    if not control:
+        (span,) = read_spans(scene, [by], ranged=False)
+        return span.low, span.high
+    low, high = sorted((LEAST_CONTROL * load * control, MOST_CONTROL * control))
+    return low, high
+
+
+def _less_work(scene: Scene, full: Result) -> float:
+    """Return heating over cooling at full load over that here, approximately: work over cooling follows the lift."""
+    then, here = full.performance, scene.operation
+    colds = then.get("evaporating_temperature"), here.evaporating_temperature
+    warms = then.get("condensing_temperature"), here.condensing_temperature
+    lifts = [warm - cold for cold, warm in zip(colds, warms, strict=True) if cold is not None and warm is not None]
+    if len(lifts) < 2:
+        return 1.0
+    work = then.heating_capacity / then.cooling_capacity - 1.0
+    return float((1.0 + work) / (1.0 + work * lifts[1] / lifts[0]))
+
+
 def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
     """Return the evaluation from the rows of a table that begin at `row`, one per operating point."""
     rows = range(row, row + len(asked.points.points))
@@ -118,10 +144,10 @@ def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
 
 
 def weighted_mean(points: OperatingPoints, name: str, values: np.ndarray, errors: np.ndarray) -> tuple[float, float]:
-    """Return a figure over the operating points, and its error; with energy weights a COP is cooling over work."""
+    """Return a figure over the operating points, and its error; with energy weights a COP is heat over work."""
     weights = np.array([point.weight for point in points.points])
     weights = weights / weights.sum()
-    if points.energy and name in COOLING_COPS:
+    if points.energy and name in points.cops:
         total = 1.0 / float(weights @ (1.0 / values))
         return total, float(weights @ (errors * (total / values) ** 2))
     return float(weights @ values), float(weights @ errors)

@@ -8,7 +8,7 @@ from screwsim.inputs.arguments import shown
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import Scene
 from screwsim.scene.grid import too_many
-from screwsim.study.asked.figures import figure_of
+from screwsim.study.asked.figures import figure_of, figures_of
 from screwsim.study.asked.goals import Bound, read_bounds
 from screwsim.study.asked.inputs import check_continuous, usual_efficiency
 from screwsim.study.asked.spans import Span, read_spans
@@ -49,7 +49,7 @@ class Question:
     @property
     def figures(self) -> tuple[str, ...]:
         """Figures that every operating point must have."""
-        loads = ("cooling_capacity",) if any(point.load is not None for point in self.points.points) else ()
+        loads = (self.points.capacity,) if any(point.load is not None for point in self.points.points) else ()
         named = (*(aim.figure for aim in self.aims), *(bound.figure for bound in self.bounds), *loads)
         return tuple(dict.fromkeys(named))
 
@@ -67,20 +67,29 @@ def question(
 ) -> Question:
     """Return the question; raise UsageError, in one line, where it makes no sense.
 
-    `vary` are texts 'PATH=LOW..HIGH', or 'PATH' of an axis of the sweep, or {path: (low, high) [SI]}. The default aim
-    is to maximise the usual efficiency.
+    `vary` are texts 'PATH=LOW..HIGH', or 'PATH' of an axis of the sweep, or {path: (low, high) [SI]}. With operating
+    points it may be empty: the scene itself is rated over them. The default aim is to maximise the usual efficiency, or
+    the COP where nothing varies.
     """
     aims = _aims(scene, maximize, minimize)
-    spans = read_spans(scene, vary if isinstance(vary, Mapping) else _listed(vary), ranged=True)
-    if not spans:
-        raise UsageError("nothing varies (give one path or more with its range)")
+    varied = vary if isinstance(vary, Mapping) else _listed(vary)
+    spans = read_spans(scene, varied, ranged=True) if varied else ()
+    if not spans and not over:
+        raise UsageError("nothing varies (give one path or more with its range, or points to rate the scene over)")
     bounds = [each if isinstance(each, Bound) else read_bounds(scene, [each])[0] for each in _listed(subject_to)]
     points = _operating_points(scene, over, spans)
-    count = EVALUATIONS_PER_PATH * len(spans) if evaluations is None else evaluations
+    count = (EVALUATIONS_PER_PATH * len(spans) or 1) if evaluations is None else evaluations
     what = "is not a number of evaluations (write 1 or more)" if count < 1 else too_many(count)
     if what:
         raise UsageError(f"--evaluations {count}: {what}")
-    return Question(scene, spans, aims or (Aim(usual_efficiency(scene)),), tuple(bounds), points, count, seed)
+    aims = aims or (Aim(usual_efficiency(scene) if spans else _usual_cop(scene, points)),)
+    return Question(scene, spans, aims, tuple(bounds), points, count if spans else 1, seed)
+
+
+def _usual_cop(scene: Varied, points: OperatingPoints) -> str:
+    """Return the COP over the points, of the motor's power where there is a motor; without a COP the efficiency."""
+    named = figures_of(scene) if isinstance(scene, Scene) else ()
+    return next((name for name in reversed(points.cops) if name in named), usual_efficiency(scene))
 
 
 def _aims(scene: Varied, maximize: Iterable[str], minimize: Iterable[str]) -> tuple[Aim, ...]:
@@ -109,7 +118,7 @@ def _operating_points(scene: Varied, over: str | OperatingPoints | None, spans: 
         raise UsageError(f"--vary {min(both)}: {what} (remove it from one of the two)")
     if any(point.load is not None for point in points.points):
         check_continuous(scene, points.by)
-        figure_of(scene, "cooling_capacity", "--over")
+        figure_of(scene, points.capacity, "--over")
     return points
 
 

@@ -26,9 +26,14 @@ SIMPLEX, PLACE = 0.05, 1e-3  # of the ranges: initial size and final accuracy of
 
 
 def search(record: Record) -> Maximum | None:
-    """Search until converged or out of evaluations; for one path with one aim return the top."""
+    """Search until converged or out of evaluations; for one path with one aim return the top.
+
+    Where nothing varies, evaluate the scene itself.
+    """
     try:
-        if len(record.asked.aims) > 1:
+        if not record.asked.spans:
+            record.evaluate(np.empty((1, 0)))
+        elif len(record.asked.aims) > 1:
             _nsga2(record)
         elif len(record.asked.spans) == 1:
             return _bracket_and_narrow(record)

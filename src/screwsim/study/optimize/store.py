@@ -45,6 +45,7 @@ def question_text(asked: Question) -> str:
             "subject_to": [list(bound) for bound in asked.bounds],
             "over": None if asked.points.single else asked.points.name,
             "energy_weights": asked.points.energy,
+            **({"heating": True} if asked.points.heating else {}),
             "loads_by": asked.points.by,
             "points": [
                 {"name": point.name, "weight": point.weight, "load": point.load, "values": dict(point.values)}
