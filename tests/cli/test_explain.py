@@ -35,6 +35,12 @@ def test_effects_are_counted_of_the_kind_and_in_all(folder):
     )
 
 
+def test_oil_of_an_expander_is_not_injected_and_drives_it():
+    text = str(explain(screwsim.load(CONFIGS / "expander" / "oil.yaml")))
+    assert "the indicated work contains its flow work (M491)" in " ".join(text.split())
+    assert "\n  injection" not in text and "discharge pressure" not in text
+
+
 def test_effects_of_your_own_are_counted_apart(folder, monkeypatch):
     monkeypatch.syspath_prepend(str(CONFIGS.parent / "tests" / "laws"))
     own = screwsim.load("oiled.yaml", ["oil.transport=carried", "effects={own_effects.warm_wall: {conductance: 5}}"])

@@ -239,6 +239,25 @@ def test_an_expander_without_oil_in_its_gas_is_dry():
         assert dry[name] == pytest.approx(other[name], rel=1e-4), name
 
 
+@pytest.mark.parametrize("changed", ["effects.oil_volume={}", "effects.oil_volume=off", "effects.oil_pump=off"])
+def test_moist_gas_and_oil_of_an_expander_part_at_the_temperature_of_their_mixture(changed):
+    """M281 with next to no water: what bearings, shear and pump lose is theirs (M282)."""
+    changes = ["effects.separator=off", "oil_supply={temperature: 90 degC, ratio: 4}", changed]
+    changes += ["gas={fluid: Air, model: ideal, relative_humidity: 0.001, dew_point_margin: 150 K}"]
+    changes += ["operation.suction={pressure: 20 bar, temperature: 60 degC}", "operation.discharge.pressure=5 bar"]
+    result = simulate(load(OIL, changes), trace=False)
+    p = result.performance
+    told = next(float(words.split()[5]) for words in result.warnings if words.startswith("gas and oil separate at "))
+    c_gas = PropsSI("CP0MASS", "P", 8e5, "T", 333.15, "Air")
+    gas, oil = p.gas_mass_flow * c_gas, p.oil_mass_flow * 2100.0
+    heat = gas * p.discharge_temperature + oil * p.oil_discharge_temperature
+    heat += p.hydromechanical_power + p.mechanical_power
+    if "oil_pump_power" in p:
+        heat += p.oil_pump_power - p.oil_mass_flow / 950.0 * (20e5 - 5e5)
+    assert told == pytest.approx(heat / (gas + oil) - 273.15, abs=0.15)
+    assert p.condensate_flow == 0.0 and abs(p.water_residual) < 3e-4
+
+
 def run_of(path, *overrides):
     """Return the figures of a scene that closes."""
     result = simulate(load(path, list(overrides)), trace=False)
@@ -299,6 +318,7 @@ REFUSED = {
     "oil_supply.kind: displacement needs machine.mode: compressor": "oil_supply={kind: displacement, ratio: null}",
     "oil_supply.flow: needs machine.mode: compressor": "oil_supply={flow: 40 L/min, ratio: null}",
     "oil.transport: needs machine.mode: compressor": "oil.transport=paper",
+    "oil_supply.discharge_temperature: .*with its gas.*remove it.": "oil_supply.discharge_temperature=80 degC",
     "effects.oil_injection: .*mode: compressor .remove it": "effects.oil_injection={opens: 9 deg, closes: 99 deg}",
     "effects.refrigerant_solubility: .*mode: compressor .remove it": "effects.refrigerant_solubility={}",
     "effects.suction_line: .*or to an expander without oil .remove it": "effects.suction_line={}",
@@ -321,6 +341,12 @@ def test_no_expander_is_offered_what_needs_oil_and_is_refused_with_it():
     assert "oil_pump" in dry and not {name for name, effect in dry.items() if effect.needs_oil} - {
         *suitable_effects(load(OIL))
     }
+
+
+def test_a_way_of_oil_that_an_expander_lacks_is_not_asked_for_what_it_needs():
+    with pytest.raises(SceneError) as caught:
+        load(OIL, ["oil_supply={kind: displacement, ratio: null}", "effects.oil_pump=off", "effects.separator=off"])
+    assert str(caught.value).count("\n") == 0 and "write kind: pump" in str(caught.value)
 
 
 def test_an_expander_needs_a_lower_discharge():

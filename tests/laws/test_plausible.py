@@ -63,6 +63,17 @@ def test_oil_that_leaves_hotter_than_its_properties_are_known_is_told():
     assert usual.performance.mixture_discharge_temperature < hottest and not told(usual, "the oil leaves at")
 
 
+def test_oil_that_leaves_an_expander_colder_than_its_properties_are_known_is_told():
+    named = "oil={name: mineral_46, density: null, heat_capacity: null, viscosity: null}"
+    cold = ["gas.fluid=Nitrogen", "operation.suction.temperature=-30 degC", "oil_supply.temperature=-10 degC", named]
+    result = at("expander/oil.yaml", *cold)
+    coldest = OILS["mineral_46"].low
+    assert result.status == "ok" and result.performance.oil_discharge_temperature < coldest
+    (warning,) = told(result, "from which mineral_46 is known")
+    assert warning.startswith("the oil leaves at ") and "-20 degC" in warning and "warmer oil" in warning
+    assert not told(at("expander/oil.yaml", named), "the oil leaves at")
+
+
 def test_a_warning_of_the_scene_comes_before_all_others():
     result = run({"operation.speed": "30000 rpm", "effects.tip_leakage.gap": "1.5 mm"})
     assert result.warnings[0].startswith("effects.tip_leakage.gap: 1.5 mm is unusual")

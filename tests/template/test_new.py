@@ -497,6 +497,10 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances_be
             "--oil PAO_46: the data of PAO_46 end at 150 degC, and Water condenses on it below 158.826 degC (choose a",
         ),
         (
+            ["expander", "--oil", "POE_68", "--fluid", "Air", "--condition", "8/1 bar, -30 degC"],
+            "--oil POE_68: its data begin at -20 degC, above the inlet's -30 degC (choose a warmer inlet, or leave",
+        ),
+        (
             ["air", "--diameter", "204 mm", "--displacement", "9 m^3/min"],
             "--diameter: is given together with --displacement, which also states it (remove one of the two)",
         ),

@@ -176,6 +176,11 @@ def kept_in_oil(parts: Parts, known: CycleFigures) -> float:
     return sum(float(part.kept(known)) for _, part in parts.all(PowerLoss) if part.kept is not None)
 
 
+def brought_by_oil(problem: Problem, known: CycleFigures) -> float:
+    """Return the flow work [W] that the oil brings to an expander, less what the shaft's own pump gave it (M491)."""
+    return known.oil_volume_flow * (problem.lines.p_s - problem.lines.p_d) - kept_in_oil(problem.parts, known)
+
+
 def shaft_power(parts: Parts, known: CycleFigures) -> float:
     """Return the shaft power [W] (M29)."""
     lift = oil_lift(parts, known) if parts.oil is not None else 0.0

@@ -4,7 +4,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
-from screwsim.cycle.cycle_figures import CycleFigures, cycle_figures, lazy_pitch, oil_lift, power_losses, shaft_power
+from screwsim.cycle.cycle_figures import (
+    CycleFigures,
+    brought_by_oil,
+    cycle_figures,
+    lazy_pitch,
+    oil_lift,
+    power_losses,
+    shaft_power,
+)
 from screwsim.cycle.feedback import LineInflow, image, turn_of
 from screwsim.cycle.held_work import missed_work
 from screwsim.cycle.pitch import Pitch
@@ -82,7 +90,8 @@ class Evaluation:
         """The oil's circuit through separator and cooler; None where nothing needs it, a text where none is found."""
         parts = self.problem.parts
         lift = oil_lift(parts, self.known) if parts.oil is not None else 0.0
-        return circuit_of(self.problem, self.life, self.q, self.losses, lift)
+        brought = brought_by_oil(self.problem, self.known) if parts.oil is not None and parts.geometry.expands else 0.0
+        return circuit_of(self.problem, self.life, self.q, self.losses, lift, brought)
 
     @once
     def read(self) -> Read:

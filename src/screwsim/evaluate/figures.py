@@ -9,7 +9,7 @@ import numpy as np
 from screwsim.build import build_site
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import flow_past_suction_port, outflow_dissolved_gas, outflow_of, streams_of
-from screwsim.cycle.cycle_figures import CycleFigures, kept_in_oil, oil_lift
+from screwsim.cycle.cycle_figures import CycleFigures, brought_by_oil, oil_lift
 from screwsim.cycle.problem import Problem
 from screwsim.effects import having
 from screwsim.effects.base import DISCHARGE, SUCTION, Drawn, FlowPath, Given, Plenum, Separator, Turn
@@ -168,8 +168,7 @@ def _of_expander(
     work = problem.parts.gas.isentropic_work_of_enthalpy  # of what own plenums add; negative for what expands (M101)
     power = own + sum(net * work(state.p, problem.lines.p_d, state.h) for net, state in drawn)
     if problem.parts.oil is not None:
-        brought = known.oil_volume_flow * (problem.lines.p_s - problem.lines.p_d)
-        power -= brought - kept_in_oil(problem.parts, known)  # less what the shaft's own pump gave it (M491)
+        power -= brought_by_oil(problem, known)
     return performance.figures_of_expander(found, power, filled)
 
 

@@ -138,15 +138,19 @@ def _hot(checked: CheckedCycle) -> Iterator[Doubt]:
         yield Doubt(f"{words} (use more or cooler oil, or a lower pressure ratio)", "discharge_temperature")
 
 
-def _hot_oil(checked: CheckedCycle) -> Iterator[Doubt]:
+def _oil_known(checked: CheckedCycle) -> Iterator[Doubt]:
     oil = checked.scene.oil
     if oil is None or oil.name is None:
         return
-    seen = (checked.found.get(name) for name in ("oil_discharge_temperature", "mixture_discharge_temperature"))
-    T, highest = max((each for each in seen if each is not None), default=0.0), OILS[oil.name].high
-    if highest < T <= HOTTEST:
-        words = f"the oil leaves at {in_celsius(T)}, above the {in_celsius(highest)} up to which {oil.name} is known"
+    names, of = ("oil_discharge_temperature", "mixture_discharge_temperature"), OILS[oil.name]
+    seen = [T for T in map(checked.found.get, names) if T is not None]
+    T, left = max(seen, default=0.0), "the oil leaves at"
+    if of.high < T <= HOTTEST:
+        words = f"{left} {in_celsius(T)}, above the {in_celsius(of.high)} up to which {oil.name} is known"
         yield Doubt(f"{words} (use more or cooler oil)")
+    if seen and min(seen) < of.low:
+        words = f"{left} {in_celsius(min(seen))}, below the {in_celsius(of.low)} from which {oil.name} is known"
+        yield Doubt(f"{words} (use more or warmer oil)")
 
 
 def _burst(checked: CheckedCycle) -> Iterator[Doubt]:
@@ -156,7 +160,7 @@ def _burst(checked: CheckedCycle) -> Iterator[Doubt]:
         yield Doubt(f"{what}, which no housing withstands (open the discharge port earlier or wider)", "peak_pressure")
 
 
-DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _hot_oil, _burst)
+DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _oil_known, _burst)
 
 
 def lines_met(parts: Parts) -> set[str]:

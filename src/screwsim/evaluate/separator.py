@@ -46,9 +46,9 @@ class Circuit(NamedTuple):
 
 
 def circuit_of(
-    problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float
+    problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float, brought: float = 0.0
 ) -> Circuit | str | None:
-    """Return the oil's circuit of a life with quadratures q.
+    """Return the oil's circuit of a life with quadratures q; `brought` [W] is flow work that no own pump gave the oil.
 
     None where nothing needs it, a text where it cannot be found. It is needed with effects.separator, where the
     scene states the separator's temperature (to compare its balance), and with moist air (where water separates
@@ -60,6 +60,7 @@ def circuit_of(
     if parts.oil is None or not (part or asking or isinstance(parts.gas, MoistAir)):
         return None
     outflow = _outflow(problem, life, q, losses, lift)
+    outflow = outflow._replace(heating=outflow.heating + brought)  # an expander's oil comes with it (M490)
     if not outflow.gas_flow > 0.0:
         return NONE_LEFT
     supply_open, separator_open = open_temperatures(scene)

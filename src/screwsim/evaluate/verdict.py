@@ -57,7 +57,9 @@ def _violated_limit(problem: Problem, found: Outside, life: Trajectory) -> str:
 def remedy_for(limit: Limit, problem: Problem) -> str:
     """Return the remedy, for this machine, for a violated limit of its gas's equation of state."""
     oiled, expands = problem.parts.oil is not None, problem.parts.geometry.expands
-    cooler = "more or cooler oil" if oiled else "cooler gas in the suction line"
+    cooler = "cooler gas in the suction line"
+    if oiled:
+        cooler = "cooler gas or oil" if expands else "more or cooler oil"
     warmer = "warmer oil or gas" if oiled else "warmer gas in the suction line"
     wider = f"a wider discharge port{_dead_volume(problem)}"
     if limit in (Limit.HOT, Limit.PRESSED):

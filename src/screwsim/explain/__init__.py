@@ -261,6 +261,8 @@ def _chamber(parts: Parts, model: Composition, axis: str) -> Iterator[str]:
     yield row("life", f"{math.degrees(geometry.life):g} deg of the {axis}")
     pitch = math.degrees(geometry.pitch)
     yield row("alive at once", f"{geometry.chambers} chambers, one lobe pitch of {pitch:.6g} deg apart")
+    if geometry.expands:
+        return  # its oil comes in with the gas
     port = parts.oil_port
     at = f"at {math.degrees(geometry.injection_angle):g} deg"
     yield row("injection", at if port is None else f"through a port, up to {math.degrees(port.closes):g} deg")

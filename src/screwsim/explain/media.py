@@ -113,9 +113,8 @@ def oil_rows(scene: Scene, parts: Parts) -> Iterator[str]:
         found = "found with the cycle (M284)" if open_temperatures(scene)[0] else outlet
         yield row("temperature", found)
     if parts.oil_room:
-        yield row(
-            "room", "the oil displaces gas in the chambers (M106); the indicated work raises it to discharge pressure"
-        )
+        work = "contains its flow work (M491)" if parts.geometry.expands else "raises it to discharge pressure"
+        yield row("room", f"the oil displaces gas in the chambers (M106); the indicated work {work}")
     heated = any("T_oil" in active.effect.states for active in scene.effects.values())
     text = TRANSPORT.get(oil.transport, oil.transport).format(at=at)
     yield row("transport", text if heated else "oil exchanges no heat and is not in the balances (no oil_heat)")

@@ -73,9 +73,10 @@ def _oil_with_gas(scene: Scene) -> Iterator[Fault]:
     comes = "an expander's oil comes in with its gas, in a stated ratio"
     if not supply.pumped:
         yield Fault("oil_supply.kind", f"displacement needs machine.mode: compressor ({comes}: write kind: pump)")
+    remedy = "write ratio, e.g. ratio: 0.5, in its place" if supply.ratio is None else "remove it"
     for name in ("discharge_temperature", "flow"):
         if getattr(supply, name) is not None:
-            yield Fault(f"oil_supply.{name}", f"needs machine.mode: compressor ({comes}: write ratio, e.g. ratio: 3)")
+            yield Fault(f"oil_supply.{name}", f"needs machine.mode: compressor ({comes}: {remedy})")
     if scene.oil is not None and not scene.oil.carried:
         yield Fault("oil.transport", f"needs machine.mode: compressor ({comes}: write transport: carried)")
     cooling, pumps = _cooling(scene), having(PUMPS)
@@ -128,7 +129,8 @@ def _oil_supply(scene: Scene) -> Iterator[Fault]:
     if supply.temperature is None and _cooling(scene) is None:
         remedy = f"write e.g. temperature: 325 K, or name effects.{stating(CoolsOil)}, which finds it"
         yield Fault("oil_supply.temperature", f"is missing ({remedy})")
-    yield from _pump(scene) if supply.pumped else _displacement(scene)
+    if not scene.machine.expands or (supply.pumped and supply.discharge_temperature is None):  # else: `_oil_with_gas`
+        yield from _pump(scene) if supply.pumped else _displacement(scene)
 
 
 def _cooling(scene: Scene) -> tuple[str, CoolsOil] | None:

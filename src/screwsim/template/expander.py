@@ -54,9 +54,12 @@ def _ports(fluid: str, duty: Duty, size: sizes.Size) -> dict[str, str]:
 def _oil(name: str, fluid: str, duty: Duty) -> dict[str, str]:
     """Return the entries on the oil: as warm as the gas at the inlet, as far as its data reach.
 
-    Raise UsageError where the gas would condense on it.
+    Raise UsageError where they begin above that, or the gas would condense on it.
     """
-    warmest = OILS[name].high
+    coldest, warmest = OILS[name].low, OILS[name].high
+    if duty.T < coldest:
+        what = f"its data begin at {in_celsius(coldest)}, above the inlet's {in_celsius(duty.T)}"
+        raise UsageError(f"--oil {name}: {what} (choose a warmer inlet, or leave the oil out)")
     T, text = min((duty.T, duty.temperature), (warmest, f"{warmest - ZERO_CELSIUS:g} degC"))
     dew = constants.liquid_below(fluid, duty.at.low, T)
     if dew is not None:
