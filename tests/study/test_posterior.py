@@ -261,7 +261,7 @@ def test_points_that_cannot_be_predicted_are_told_where_they_are(tmp_path, monke
     file, new = write_fit(tmp_path, FIT, points(3, 8, 0, 0.1)), tmp_path / "new.csv"
     fakes(monkeypatch)
     new.write_text("operation.speed [bar]\n3000\n")
-    with pytest.raises(SceneError, match=r"new\.csv:2:1: operation\.speed: "):
+    with pytest.raises(SceneError, match=r"new\.csv:1:1: operation\.speed: "):
         screwsim.posterior(file, predict=new)
     new.write_text("operation.speed [rpm],gas_mass_flow_uncertainty [kg/s]\n3000,0.1\n")
     with pytest.raises(UsageError, match="gas_mass_flow: is measured at no fitted point"):
