@@ -29,9 +29,10 @@ def catalogue() -> dict[str, Effect]:
     return {name: found[name] for name in sorted(found, key=lambda name: (rank.get(name, len(rank)), name))}
 
 
-def having(role: str) -> list[str]:
+@cache
+def having(role: str) -> tuple[str, ...]:
     """Return the keys (`effects.NAME.key`) by which effects of the catalogue take on a role (`effects.base`)."""
-    return [f"effects.{name}{each.roles[role]}" for name, each in catalogue().items() if role in each.roles]
+    return tuple(f"effects.{name}{each.roles[role]}" for name, each in catalogue().items() if role in each.roles)
 
 
 def stating(parameters: type) -> str:
