@@ -5,7 +5,6 @@ YAML.
 """
 
 import json
-import os
 import shlex
 import sys
 from collections.abc import Iterable, Mapping
@@ -15,16 +14,15 @@ from typing import Any
 
 from screwsim.effects.base import Effect
 from screwsim.inputs.declare import KINDS
-from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.results.schema import named_files
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import FIXED, Leaf, leaf_paths
+from screwsim.scene.load import files_with_bases
 from screwsim.scene.plausible import suitable_effects
 from screwsim.scene.tolerances import tolerance_text
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert, shown, text_of
 from screwsim.scene.write import quoted
-from screwsim.scene.yaml_tree import LocatedFaults, Position, compose
 from screwsim.study.scene_files import lines_of, put
 from screwsim.study.sweep.agreement import FileWatch
 
@@ -78,33 +76,11 @@ def read_changes(raw: Any) -> Changes:
 def open_base(file: str, overrides: Iterable[str] = (), without: Iterable[str] = ()) -> SceneArguments:
     """Return the scene that a command names, without its sweep; raise SceneError and UsageError as `load` does."""
     overrides, without = tuple(overrides), tuple(without)
-    own = _watched(files_of(file))  # before they are read: no answer may come from later contents
+    own = _watched(files_with_bases(file))  # before they are read: no answer may come from later contents
     scene = load(file, [*overrides, "sweep=null"], without)
     modules = [path for name in scene.own if (path := getattr(sys.modules.get(name), "__file__", None))]
     watches = (own, _watched([*named_files(scene).values(), *modules]))
     return SceneArguments(file, (*overrides, *(f"effects.{name}=off" for name in without)), scene, watches)
-
-
-def files_of(file: str) -> list[str]:
-    """Return the paths of a scene's file and its bases, as far as they can be read."""
-    found: list[str] = []
-    path: str | None = shipped_name(file)
-    while path is not None and path not in found:
-        found.append(path)
-        path = _base_of(path)
-    return found
-
-
-def _base_of(path: str) -> str | None:
-    """Return the path of the base of a scene's file; None where it has none."""
-    try:
-        root = compose(read_text(path, MOST_YAML), Position(0, path), LocatedFaults())
-    except Unreadable:
-        return None
-    base = root.value.get("base") if root is not None and isinstance(root.value, dict) else None
-    if base is None or not isinstance(base.value, str):
-        return None
-    return os.path.normpath(os.path.join(os.path.dirname(path), base.value))
 
 
 def _watched(paths: Iterable[str]) -> FileWatch:

@@ -220,15 +220,26 @@ def _read_base(node: Node, trail: tuple[str, ...], problems: LocatedFaults) -> N
     return _read_file(path, start, (*trail, real), problems, at)
 
 
-def bases_of(path: str) -> list[str]:
-    """Return the real paths of the files that a scene's file is based on, from the nearest on; the scene is valid."""
-    found = [os.path.realpath(shipped_name(path))]
-    while True:
-        root = compose(read_text(found[-1], MOST_YAML), Position(0, found[-1]), LocatedFaults())
-        base = root.value.get("base") if root is not None else None
-        if base is None or base.value is None:
-            return found[1:]
-        found.append(os.path.realpath(os.path.join(os.path.dirname(found[-1]), base.value)))
+def files_with_bases(file: str) -> list[str]:
+    """Return the paths of a scene's file and its bases, as far as they can be read."""
+    found: list[str] = []
+    path: str | None = shipped_name(file)
+    while path is not None and path not in found:
+        found.append(path)
+        path = _base_of(path)
+    return found
+
+
+def _base_of(path: str) -> str | None:
+    """Return the path of the base of a scene's file; None where it has none."""
+    try:
+        root = compose(read_text(path, MOST_YAML), Position(0, path), LocatedFaults())
+    except Unreadable:
+        return None
+    base = root.value.get("base") if root is not None and isinstance(root.value, dict) else None
+    if base is None or not isinstance(base.value, str):
+        return None
+    return os.path.normpath(os.path.join(os.path.dirname(path), base.value))
 
 
 def _override(root: Node, override: str, place: Position, problems: LocatedFaults, told: str) -> Node:

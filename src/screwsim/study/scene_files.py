@@ -13,7 +13,7 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.results.atomic import check_writable, make_folder, protect_others, write_text
 from screwsim.scene import Scene, leaf_of, loads, scene_text
 from screwsim.scene.fields import effect_keys
-from screwsim.scene.load import bases_of
+from screwsim.scene.load import files_with_bases
 from screwsim.scene.values import text_of
 from screwsim.scene.write import quoted, relative_to
 from screwsim.study.asked.inputs import shown_value
@@ -44,7 +44,7 @@ def check_scene_file(path: Path, option: str = "-o", own: str = "") -> None:
 
 def refuse_base(path: Path, own: str, where: str) -> None:
     """Raise UsageError where a file that would be written is a base of the scene file `own`."""
-    if os.path.realpath(path) in bases_of(own):
+    if os.path.realpath(path) in map(os.path.realpath, files_with_bases(own)[1:]):
         raise UsageError(f"{where}: {own} is based on this file (choose another name)")
 
 
