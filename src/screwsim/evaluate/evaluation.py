@@ -115,9 +115,7 @@ class Evaluation:
     @property
     def complete(self) -> CycleFigures:
         """What a shaft may use of the cycle: the known quantities with the shaft power."""
-        known, parts = self.known, self.problem.parts
-        lift = oil_lift(parts, known) if parts.oil is not None else 0.0
-        return replace(known, shaft_power=known.indicated_power + lift + sum(self.losses.values()))
+        return replace(self.known, shaft_power=shaft_power(self.problem.parts, self.known))
 
     @property
     def least(self) -> tuple[float, float]:
