@@ -18,6 +18,7 @@ import numpy as np
 from screwsim.build import build_parts
 from screwsim.export.rotor_loads import Pressures, Spans, Supports, loads_of, pressures_of
 from screwsim.export.rotor_supports import supports_of
+from screwsim.figures import rotor_speed
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
 from screwsim.machine.profile_law import laid_curves
@@ -128,7 +129,8 @@ def loads(scene: Scene, result: Result, spans: Spans | None = None, shafts: Diam
 
     `spans` and `shafts` [m] are those of `rotor_supports.supports_of`, which takes what is None from the scene.
     """
-    frequency = mean_speed(scene, result) / build_parts(scene).geometry.pitch  # [Hz] at which chambers pass
+    speed = rotor_speed(result.performance, scene.operation.speed)
+    frequency = speed / build_parts(scene).geometry.pitch  # [Hz] at which chambers pass
     curves, supports = {"flows": flows_of(scene, result)}, None
     if not has_rotors(scene):
         without = "forces and surfaces need rotors with a profile (machine.volume.law: profile), of a compressor"
@@ -138,12 +140,6 @@ def loads(scene: Scene, result: Result, spans: Spans | None = None, shafts: Diam
         curves["forces"] = loads_of(pressures, supports[0])
     spectra = {name: harmonics(values, frequency) for _, columns in curves.values() for name, values in columns.items()}
     return ExportedLoads(scene.title, frequency, curves, spectra, without, supports)
-
-
-def mean_speed(scene: Scene, result: Result) -> float:
-    """Return the mean speed of the male rotor [rad/s]: that of its drive where one finds it, else the stated one."""
-    found = result.performance.get("mean_speed")
-    return float(scene.operation.speed if found is None else found)
 
 
 def has_rotors(scene: Scene) -> bool:
@@ -183,8 +179,9 @@ def write_loads(
     files.append(write_text(folder / WHOLE, text))
     if has_rotors(scene):
         pressures = pressures_of(laid_curves(twin_screw(scene.machine)), result)
+        speed = rotor_speed(result.performance, scene.operation.speed)
         for name, surface in zip(("male", "female"), surfaces(pressures.laid.rotors, PROFILE_PIECES), strict=True):
-            files += write_surface(folder / f"{name}_rotor", surface, pressures, steps, mean_speed(scene, result))
+            files += write_surface(folder / f"{name}_rotor", surface, pressures, steps, speed)
     return files
 
 

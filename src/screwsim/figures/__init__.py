@@ -265,3 +265,9 @@ def scale_of(values: Mapping[str, Any]) -> Scale:
     if not all((*kinds, *(isinstance(name, str) for name in scale.of))) or scale.times not in TIMES:
         raise TypeError("a scale of errors has other values")
     return scale
+
+
+def rotor_speed(found: Mapping[str, Any], stated: float) -> float:
+    """Return the mean speed [rad/s] of rotors or crank: among figures where a drive reaches it, else the stated one."""
+    reached = found.get("mean_speed")
+    return float(stated if reached is None else reached)

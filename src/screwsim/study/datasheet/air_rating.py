@@ -12,6 +12,7 @@ import numpy as np
 
 from screwsim.effects.air_package import FREE_AIR, UNLOADED
 from screwsim.effects.parts.rating import STANDARDS, WEIGHTS, outside_scope, part_load_efficiency
+from screwsim.figures import rotor_speed
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import Result
@@ -38,7 +39,7 @@ class Point(NamedTuple):
     @property
     def rotor_speed(self) -> float:
         """Speed of the rotors [rad/s]: as set, or what a motor on the mains reaches."""
-        return float(self.result.performance.get("mean_speed") or self.speed)
+        return rotor_speed(self.result.performance, self.speed)
 
     @property
     def flow(self) -> float:

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.figures import rotor_speed
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs import Result
 from screwsim.outputs.customary import RPM, with_printed_units
@@ -216,7 +217,8 @@ def each_stage_table(found: ChainResult, title: str, units: Units = METRIC) -> I
         return
     figures = [each.performance for each in found.stages]
     loads = [_motor_load(scene, each) for scene, each in zip(found.scenes, found.stages, strict=True)]
-    rows = [["speed [rpm]", *(f"{tables.rotor_speed(each) / RPM:.0f}" for each in figures)]]
+    speeds = (rotor_speed(each, scene.operation.speed) for each, scene in zip(figures, found.scenes, strict=True))
+    rows = [["speed [rpm]", *(f"{speed / RPM:.0f}" for speed in speeds)]]
     for column in (in_units(each, units) for each in EACH_STAGE):
         if any(column.figure in each for each in figures):
             rows.append([column.title, *(column.cell(each) for each in figures)])
@@ -276,8 +278,9 @@ def swept_line(found: ChainResult, units: Units = METRIC) -> Lines:
     """Yield the swept volume and the speed of each stage."""
     if len(found.scenes) == len(found.stages) and found.stages:
         swept = (units.quantity("m3 s-1", each.performance["displacement_flow"]) for each in found.stages)
-        speeds = (f"{tables.rotor_speed(each.performance) / RPM:.4g} rpm" for each in found.stages)
-        parts = zip(STAGE_NAMES, swept, speeds, strict=True)
+        pairs = zip(found.stages, found.scenes, strict=True)
+        speeds = (rotor_speed(each.performance, scene.operation.speed) for each, scene in pairs)
+        parts = zip(STAGE_NAMES, swept, (f"{speed / RPM:.4g} rpm" for speed in speeds), strict=True)
         yield "stages", ", ".join(f"{name} {volume} swept at {speed}" for name, volume, speed in parts)
 
 

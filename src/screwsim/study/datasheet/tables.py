@@ -6,8 +6,8 @@ Also the lines and notes that sheets of several kinds share: motor, oil, limits,
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from screwsim.figures import rotor_speed
 from screwsim.figures.engineering import shown_name
-from screwsim.machine.settings import TURN
 from screwsim.outputs import Result
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
@@ -255,13 +255,8 @@ def _best_ratio(step: LoadStep, names: Sequence[str]) -> dict[str, Any]:
 def machine_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) -> Lines:
     """Yield the displacement of the machine, and its speed."""
     if found:
-        speed = shown_value(scene, SPEED_PATH, rotor_speed(found))
+        speed = shown_value(scene, SPEED_PATH, rotor_speed(found, scene.operation.speed))
         yield "machine", f"{units.quantity('m3 s-1', found['displacement_flow'])} swept at {speed}"
-
-
-def rotor_speed(found: Mapping[str, Any]) -> float:
-    """Return the speed [rad/s] at which a machine's figures hold, where its motor's line determines it, too (M214)."""
-    return TURN * float(found["displacement_flow"]) / float(found["displacement"])
 
 
 def power_lines(scene: Scene, found: Mapping[str, Any], units: Units = METRIC, gives: bool = False) -> Lines:
