@@ -19,7 +19,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.model.compose import LINES
 from screwsim.model.slots import OF_ENERGY, OF_GAS, OF_OIL, OF_OIL_HEAT, R_OIL_BEFORE, SUCTION_OUT
 from screwsim.outputs import Figures
-from screwsim.outputs.customary import celsius
+from screwsim.outputs.customary import celsius, in_bar
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import FoundWithCycle
 
@@ -27,6 +27,7 @@ CONTRADICTS = 1.0  # [K] between a stated separator temperature and that of its 
 OPEN_TO_SUCTION = math.radians(1.0)  # of a plenum's port before the end of suction, tolerated
 HARDLY_KNOWN = 0.01  # relative error of figures over the net flow that deserves a warning
 OVER_FLOW = "specific_power", "oil_flow_ratio", "economizer_flow_ratio", "liquid_injection_flow_ratio"
+SQUEEZED = 2.0  # times the peak pressure: reached behind the port's widest opening, deserves a warning
 LOST, LOST_DRY = 0.02, 0.05  # of the shaft power: heat with backflow to suction that deserves a warning
 
 
@@ -50,6 +51,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
     yield from _unfitted_bore(of)
     yield from _open_to_suction(of)
     yield from _lost_to_suction(of)
+    yield from _squeezed_rest(of)
     yield from late_valves.warnings(of)
     yield from _separator_warnings(of)
     yield from humidity.warnings(problem, of.life, found, of.circuit)
@@ -140,6 +142,20 @@ def _lost_to_suction(of: Evaluation) -> Iterator[str]:
             f"{1e-3 * abs(heat):.3g} kW, {abs(heat) / power:.0%} of the shaft power, leaves with {what} flowing back "
             f"into the suction line, although in reality it {brings} the intake (name {remedy}, which takes that into "
             "account)"
+        )
+
+
+def _squeezed_rest(of: Evaluation) -> Iterator[str]:
+    """Yield a warning where what is left as the discharge port closes is squeezed far above the peak pressure."""
+    geometry, peak = of.problem.parts.geometry, of.figures["peak_pressure"]
+    if peak is None or geometry.widest_discharge() >= geometry.life:
+        return
+    highest = of.life.peak_pressure(geometry.life)
+    if highest > SQUEEZED * peak:
+        yield (
+            f"what is left as the discharge port closes is squeezed to {in_bar(highest)}, far above the peak pressure "
+            f"of {in_bar(peak)}, which is sought up to the port's widest opening (check how the port closes, and the "
+            "dead volume, machine.volume.min)"
         )
 
 

@@ -133,7 +133,11 @@ _CORE = (
     Figure("shaft_torque", "N m", "mean torque at the shaft: shaft power over speed", Scale(times="ideal")),
     Figure("discharge_temperature", "K", "flow-weighted mean gas temperature at discharge"),
     Figure("oil_discharge_temperature", "K", "flow-weighted mean oil temperature at discharge", needs=HEATED),
-    Figure("peak_pressure", "Pa", "highest chamber pressure up to the widest opening of the discharge port"),
+    Figure(
+        "peak_pressure",
+        "Pa",
+        "highest chamber pressure up to the widest opening of the discharge port, not of what is squeezed as it closes",
+    ),
     Figure("work_per_cycle", "J", "work on the gas of one chamber per cycle: minus the integral of p dV"),
     Figure("trapped_mass", "kg", "gas mass in a chamber at 360 degrees (rotors: where suction closes)"),
     _oiled(
