@@ -185,6 +185,21 @@ def test_an_option_with_one_value_that_is_given_twice_is_refused(folder, command
     assert (answer.code, answer.out, answer.err) == (2, "", told)
 
 
+@pytest.mark.parametrize(
+    ("words", "path"),
+    [
+        ("run small.yaml --set operation.speed=1000rpm --set operation.speed=2000rpm", "operation.speed"),
+        ("explain small.yaml --set oil=null --set=effects.motor=off --set=oil=null", "oil"),
+        ("export loads small.yaml --set oil_supply.ratio=1 --set oil_supply.ratio=2", "oil_supply.ratio"),
+        ("run small.stages.yaml --set first.oil_supply.ratio=1 --set first.oil_supply.ratio=2", "first.oil_supply.ratio"),
+    ],
+)
+def test_a_path_that_is_set_twice_is_refused(files, command, words, path):
+    """The last one was taken."""
+    answer = command(*words.split())
+    assert (answer.code, answer.out, answer.err) == (2, "", f"--set {path}: is given twice (remove one)\n")
+
+
 @pytest.mark.parametrize("words", ["new air", "datasheet small.yaml", "report out.h5", "calibrate x.fit.yaml"])
 def test_an_empty_name_of_an_output_is_refused(files, command, words):
     """Of an unset variable of a shell: it stood for the present folder, or ended in an internal error."""

@@ -51,6 +51,15 @@ def test_the_command_gives_the_same_scene(base):
     assert again.text == scene_of(base, overrides(base)).text
 
 
+def test_the_command_sets_a_path_once(base):
+    """One that the page's own command set as well: `--set` takes no path twice."""
+    wanted = overrides(base, {"oil_supply.temperature": "310 K"}, {"blow_hole": False})
+    assert "oil_supply.temperature=290 K" in base.overrides
+    words = shlex.split(shell_command(base, wanted))[4::2]
+    assert sorted(words) == ["effects.blow_hole=off", "effects.mechanical=off", "oil_supply.temperature=310 K"]
+    assert scene_of(base, wanted).oil_supply.temperature == 310.0
+
+
 def test_the_python_gives_the_same_scene(base):
     text = python_text(base, overrides(base)).partition("result =")[0]
     names = {}

@@ -16,10 +16,13 @@ Texts = list[str] | None
 File = Path | None
 
 
+CHANGES = "--set"  # each one of a scene: PATH=VALUE
+
+
 class Command(TyperCommand):
     """A command that refuses an option with one value that is given twice, of which click would take the last.
 
-    It also refuses an empty `-o`, which would stand for the present folder.
+    Likewise a path that two options change. It also refuses an empty `-o`, which would stand for the present folder.
     """
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -31,7 +34,16 @@ class Command(TyperCommand):
             single = isinstance(each, TyperOption) and not (each.multiple or each.is_flag)
             if single and given.count(each) > 1:
                 raise UsageError(f"{each.opts[0]}: is given twice, and takes one value (remove one)")
+            if CHANGES in each.opts:
+                _refuse_twice(values[each.name or ""])
         return super().parse_args(ctx, args)
+
+
+def _refuse_twice(changes: list[str]) -> None:
+    """Raise UsageError where two of the changes PATH=VALUE have one path."""
+    paths = [change.partition("=")[0].strip() for change in changes]
+    if twice := [path for path in paths if paths.count(path) > 1]:
+        raise UsageError(f"{CHANGES} {twice[0]}: is given twice (remove one)")
 
 
 def option(value: str, says: str, *names: str, default: Any = None, **more: Any) -> Any:

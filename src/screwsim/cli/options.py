@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import typer
 
-from screwsim.cli.declare import argument, option, switch
+from screwsim.cli.declare import CHANGES, argument, option, switch
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -32,7 +32,7 @@ FILES = {*RESULTS, *PAGES, ".csv", ".json", ".yaml", ".yml", ".png", ".pdf", ".s
 
 SCENE_FILE = argument("SCENE", "The scene, a YAML file.")
 RESULTS_FILE = argument("OUT.h5", "Results of run or sweep.")
-OVERRIDES = option("PATH=VALUE", "Change one path, e.g. operation.speed='1000 rpm'.", "--set")
+OVERRIDES = option("PATH=VALUE", "Change one path, e.g. operation.speed='1000 rpm'.", CHANGES)
 WITHOUT = option("EFFECT", "Leave an effect out.")
 AS_JSON = switch("--json", "Print one JSON document on stdout, nothing else.")
 JOBS = option("N", "Worker processes (default: all cores).", min=1)

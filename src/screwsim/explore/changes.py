@@ -152,11 +152,16 @@ def scene_of(base: SceneArguments, overrides: Iterable[str]) -> Scene:
 
 
 def _all_overrides(base: SceneArguments, overrides: Iterable[str]) -> list[str]:
-    """Return the overrides of the command and of a page; an effect switched on by the page is no longer off."""
+    """Return the overrides of the command and of a page, each path once, as `--set` takes it.
+
+    An effect switched on by the page is no longer off; a mapping is merged into what the command gives.
+    """
     later = list(overrides)
     again = {each for each in base.overrides if each.endswith("=off") and each.replace("=off", "={}") in later}
     kept = [each for each in later if each.replace("={}", "=off") not in again]
-    return [*(override for override in base.overrides if override not in again), *kept]
+    replaced = {each.partition("=")[0] for each in kept if not each.endswith("}")}
+    left = [each for each in base.overrides if each not in again and each.partition("=")[0].strip() not in replaced]
+    return [*left, *kept]
 
 
 def shell_command(base: SceneArguments, overrides: Iterable[str]) -> str:
