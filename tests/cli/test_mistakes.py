@@ -191,7 +191,7 @@ def test_an_option_with_one_value_that_is_given_twice_is_refused(folder, command
         ("run small.yaml --set operation.speed=1000rpm --set operation.speed=2000rpm", "operation.speed"),
         ("explain small.yaml --set oil=null --set=effects.motor=off --set=oil=null", "oil"),
         ("export loads small.yaml --set oil_supply.ratio=1 --set oil_supply.ratio=2", "oil_supply.ratio"),
-        ("run small.stages.yaml --set first.oil_supply.ratio=1 --set first.oil_supply.ratio=2", "first.oil_supply.ratio"),
+        ("run two.stages.yaml --set first.oil.density=1 --set first.oil.density=2", "first.oil.density"),
     ],
 )
 def test_a_path_that_is_set_twice_is_refused(files, command, words, path):
