@@ -1,5 +1,6 @@
 """Tables in CSV: a cell a column, or one line with its number; the same rule wherever a table is read."""
 
+import numpy as np
 import pytest
 
 from screwsim.effects.motor import read_table as read_motor
@@ -106,9 +107,54 @@ def test_a_decimal_comma_in_a_swept_column_is_a_fault_at_the_axis(tmp_path):
     assert line.endswith(f"x.yaml:11:20: sweep.operation.speed: speeds.csv line 3: {DECIMAL_COMMAS}")
 
 
-@pytest.mark.parametrize(("mark", "name"), [(";", "semicolons"), ("\t", "tabs")])
-def test_other_marks_between_cells_are_told(mark, name):
+def test_tabs_between_cells_are_told():
     """Not as decimal commas, which such files have as well."""
-    told = rf"^line 1: is separated by {name} \(save it with commas between cells and decimal points\)$"
+    told = r"^line 1: is separated by tabs \(save it with commas between cells and decimal points\)$"
     with pytest.raises(BadSheet, match=told):
-        sheet_of(f"angle{mark}volume\n0,5{mark}1,25\n")
+        sheet_of("angle\tvolume\n0,5\t1,25\n")
+
+
+# ---- semicolons between cells, as Excel writes where the decimal sign is a comma ----
+
+
+def test_semicolons_and_decimal_commas_are_the_table_of_commas_and_points():
+    points = sheet_of("name,T [degC],p,n\n2.4.1,-.5,1.25e-3 bar,1000\n\"1,5\",+3.000,7,2\n")
+    commas = sheet_of("name;T [degC];p;n\n2.4.1;-,5;1,25e-3 bar;1000\n1,5;+3,000;7;2\n")
+    assert commas.names == points.names and commas.records() == points.records()
+    assert commas.records()[1] == {"name": "1,5", "T [degC]": "+3.000", "p": "7", "n": "2"}
+
+
+def test_semicolons_with_decimal_points_or_whole_numbers_are_read_as_they_stand():
+    assert sheet_of("a;b\n1.5;2.250\n").records() == [{"a": "1.5", "b": "2.250"}]
+    assert sheet_of("a;b\n1;2000\n").records() == [{"a": "1", "b": "2000"}]
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (
+            "a;b\n1,5;2\n3;1.5\n",
+            "line 3: '1.5' and '1,5' have different decimal signs (write all with commas, or all with points)",
+        ),
+        ("a;b\n1;2\n3;-3,000\n", "line 3: '-3,000' may have a comma for thousands or decimals (write -3000, or -3,0000)"),
+        ("a;b\n1.234;2 rpm\n", "line 2: '1.234' may have a point for thousands or decimals (write 1234, or 1.2340)"),
+        ("a;b\n1,5;2;\n", "line 2: has 3 cells, but the first line has 2 (leave the rest out: one cell per column)"),
+        ("name;b\nx;1,5\n#3;2\n", "line 3: begins with #, but has as many cells as a row"),
+    ],
+)
+def test_a_table_with_semicolons_of_which_a_number_may_be_another_is_refused(text, said):
+    with pytest.raises(BadSheet) as caught:
+        sheet_of(text)
+    assert str(caught.value).startswith(said)
+
+
+def test_thousands_with_decimals_are_left_for_the_reader_of_numbers_to_refuse():
+    assert sheet_of("a;b\n1.234,5;0,5\n").records() == [{"a": "1.234,5", "b": "0.5"}]
+
+
+def test_a_curve_with_semicolons_is_that_with_commas(tmp_path):
+    for name, text in (("points", "angle_deg,area_m2\n0,0\n90,.004\n180,0.0025\n"), ("commas", None)):
+        text = text or "angle_deg;area_m2\n0;0\n90;,004\n180;0,0025\n"
+        (tmp_path / f"{name}.csv").write_text(text, encoding="utf-8-sig")
+    one, other = (read_curve(str(tmp_path / f"{name}.csv"), "area_m2") for name in ("points", "commas"))
+    assert all(np.array_equal(mine, its) for mine, its in zip(one, other, strict=True))

@@ -38,7 +38,7 @@ def test_pressures_are_read_in_the_unit_of_their_column_with_the_mark_of_excel(t
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        ("angle_deg;pressure_bar\n1;1,5\n", "is separated by semicolons"),
+        ("angle_deg\tpressure_bar\n1\t1,5\n", "is separated by tabs"),
         ("angle_deg,p\n1,2\n", r"needs angle_deg or one volume, and one pressure \(found: angle_deg, p; write"),
         ("angle_deg,pressure_bar,pressure_Pa\n1,2,3\n", "needs angle_deg or one volume, and one pressure"),
         ("volume_cm3,volume_l,pressure_bar\n1,2,3\n", "needs angle_deg or one volume, and one pressure"),

@@ -152,8 +152,8 @@ def test_settings_of_a_sample_are_changed_from_outside(example):
             "sweep.operation.speed: 'map.csv': column 'sped' is not known; did you mean 'speed'?",
         ),
         (
-            "{operation.speed: {file: semicolons.csv, column: speed}}",
-            "sweep.operation.speed: semicolons.csv line 1: is separated by semicolons (save it with commas between",
+            "{operation.speed: {file: tabs.csv, column: speed}}",
+            "sweep.operation.speed: tabs.csv line 1: is separated by tabs (save it with commas between",
         ),
         (
             "{operation.discharge.pressure: {file: map.csv, column: p_d}}",
@@ -177,7 +177,7 @@ def test_settings_of_a_sample_are_changed_from_outside(example):
 def test_a_fault_of_a_design_is_one_line_with_its_place_and_remedy(sweep, told, example, tmp_path):
     (tmp_path / "map.csv").write_text("speed,p_d\n1000 rpm,8\n")
     (tmp_path / "empty.csv").write_text("speed\n")
-    (tmp_path / "semicolons.csv").write_text("speed;p_d\n1000 rpm;8,5\n")
+    (tmp_path / "tabs.csv").write_text("speed\tp_d\n1000 rpm\t8,5\n")
     [line] = faults_of(example, sweep, tmp_path)
     assert line.startswith("x.yaml:1:")
     assert told in line

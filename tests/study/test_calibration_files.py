@@ -89,6 +89,15 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
     assert found[0].startswith(line)
 
 
+def test_points_with_semicolons_and_decimal_commas_are_those_with_commas_and_points(tmp_path):
+    head, rows = POINTS.split("a,fit", 1)
+    of_excel = head.replace(",", ";") + f"a,fit{rows}".replace(",", ";").replace(".", ",")
+    assert "a;fit;1000;3,1;0,1\n" in of_excel
+    assert read_fit(write_fit(tmp_path, points=of_excel)).points == read_fit(write_fit(tmp_path)).points
+    told = faults(tmp_path, points=of_excel.replace("1000;3,1", "1000;x"))
+    assert told[0].startswith("points.csv:3:12: shaft_power: 'x' is not a number")
+
+
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
@@ -115,11 +124,7 @@ def test_a_fault_of_the_fit_is_located(old, new, line, tmp_path):
             "points.csv:2:10: operation.speed: unit 'rmp' is not a speed (write e.g. '3000 rpm')",
         ),
         ("name,use", "Punkt,use", "points.csv:2:1: Punkt: is not known (use name, use, a scene path or a figure)"),
-        (
-            ",",
-            ";",
-            "points.csv:2:1: data: is separated by semicolons (save it with commas between cells and decimal points)",
-        ),
+        (",", "\t", "points.csv:2:1: data: is separated by tabs (save it with commas between cells and decimal points)"),
         ("1000,3.1", '"1,000",3.1', "points.csv:3:7: operation.speed: '1,000' has a comma that may separate"),
         ("3.1,0.1", "3.1,0", "points.csv:3:16: shaft_power: 0 is out of range"),
         ("3.1,0.1", "3.1,1e-300", "points.csv:3:1: shaft_power: its uncertainty is 3e-301 of the value, smaller than"),

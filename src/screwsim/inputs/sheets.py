@@ -1,9 +1,10 @@
 """Reads CSV tables, all in the same way: a line of names, then rows with one cell for each name.
 
-Cells are separated by commas and may stand in double quotes; a number has a decimal point. Empty lines and lines that
-begin with # are skipped; but where the first column holds names, a line that begins with # and a number and has the
-cells of a row is refused, for `#3` may be a name. A row with more or fewer cells than there are names is refused: most
-often its decimal commas have split numbers.
+Cells are separated by commas and may stand in double quotes; a number has a decimal point. Where the line of names has
+semicolons and no commas, these separate cells, and the decimal sign is the one that the numbers of the table show.
+Empty lines and lines that begin with # are skipped; but where the first column holds names, a line that begins with #
+and a number and has the cells of a row is refused, for `#3` may be a name. A row with more or fewer cells than there
+are names is refused: most often its decimal commas have split numbers.
 """
 
 import csv
@@ -11,15 +12,17 @@ import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import MOST_TABLE, Unreadable, read_text
 
 MOST_CELLS, MOST_ROWS = 4096, 200_000
 NAMES, REMARK = "name", "#"  # the column of names; what a line that is no row begins with
-NUMBERED = re.compile(rf"{REMARK}\d+\s*,")  # a row whose name may be #3, or one named 3 that is left out
-_OTHER = {";": "semicolons", "\t": "tabs"}  # other separators of cells, which are refused
+NUMBERED = re.compile(rf"{REMARK}\d+\s*[,;]")  # a row whose name may be #3, or one named 3 that is left out
+COMMA, SEMICOLON = ",", ";"  # what separates cells
+DECIMAL = re.compile(r"([+-]?\d*)([.,])(\d+)((?:[eE][+-]?\d+)?)((?:\s*[^\d.,\s][^.,]*)?)")  # one mark, unit behind it
+LIKE_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
 
 
 class BadSheet(Exception):
@@ -33,11 +36,12 @@ class BadSheet(Exception):
 
 @dataclass(frozen=True)
 class Row:
-    """One row: its line number in the file, the line itself, and its cells without surrounding blanks."""
+    """One row: its line number in the file, the line itself, its cells without surrounding blanks, their separator."""
 
     line: int
     text: str
     cells: tuple[str, ...]
+    mark: str = COMMA
 
 
 @dataclass(frozen=True)
@@ -101,11 +105,12 @@ def sheet_of(text: str) -> Sheet:
         return Sheet(Row(1, "", ()), ())
     if len(lines) - 1 > MOST_ROWS:
         raise BadSheet(f"has {len(lines) - 1} rows (at most {MOST_ROWS} are read; leave some out)")
-    head = _row(*lines[0])
-    divided = next((name for mark, name in _OTHER.items() if len(head.cells) == 1 and mark in head.text), None)
-    if divided is not None:
-        raise BadSheet(f"is separated by {divided} (save it with commas between cells and decimal points)", head.line)
-    body = [_row(number, line) for number, line in lines[1:]]
+    head = _row(*lines[0], COMMA)
+    if len(head.cells) == 1 and "\t" in head.text:
+        raise BadSheet("is separated by tabs (save it with commas between cells and decimal points)", head.line)
+    if len(head.cells) == 1 and SEMICOLON in head.text:
+        head = _row(*lines[0], SEMICOLON)
+    body = [_row(number, line, head.mark) for number, line in lines[1:]]
     for name in head.cells:
         if name and head.cells.count(name) > 1:
             raise BadSheet(f"has the column {_short(name)} twice (remove one)", head.line)
@@ -113,24 +118,53 @@ def sheet_of(text: str) -> Sheet:
     for row in body:
         count = len(row.cells)
         if count != wanted:
-            remedy = "write decimal points, not decimal commas" if count > wanted else "fill the row"
+            more = "write decimal points, not decimal commas" if head.mark == COMMA else "leave the rest out"
+            remedy = more if count > wanted else "fill the row"
             what = f"has {count} cell{'s' * (count != 1)}, but the first line has {wanted}"
             raise BadSheet(f"{what} ({remedy}: one cell per column)", row.line)
     if head.cells[0] == NAMES and len(head.cells) > 1:
         for number, line in numbered:
             _check_remark(number, line, head)
-    return Sheet(head, tuple(body))
+    return Sheet(head, tuple(body if head.mark == COMMA else _with_points(head, body)))
 
 
-def _row(number: int, line: str) -> Row:
+def _with_points(head: Row, body: list[Row]) -> Iterator[Row]:
+    """Yield the rows of a table separated by semicolons, with a point in numbers that have a decimal comma.
+
+    Raise BadSheet where points and commas are in use, or where each of them may separate thousands.
+    """
+    cells = ((row, cell) for row in body for name, cell in zip(head.cells, row.cells, strict=True) if name != NAMES)
+    decimals = [(row, found) for row, cell in cells if (found := DECIMAL.fullmatch(cell)) is not None]
+    signs = {found[2] for _, found in decimals}
+    if len(signs) > 1:
+        row, found = next((row, found) for row, found in decimals if found[2] != decimals[0][1][2])
+        what = f"{_short(found[0])} and {_short(decimals[0][1][0])} have different decimal signs"
+        raise BadSheet(f"{what} (write all with commas, or all with points)", row.line)
+    if decimals and all(LIKE_THOUSANDS.fullmatch("".join(found.group(1, 2, 3, 4))) for _, found in decimals):
+        row, found = decimals[0]
+        number = f"{found[1]}{found[3]}", "".join(found.group(1, 2, 3)) + "0"
+        what = f"{_short(found[0])} may have {'a comma' if signs == {COMMA} else 'a point'} for thousands or decimals"
+        raise BadSheet(f"{what} (write {number[0]}, or {number[1]})", row.line)
+    for row in body:
+        numbers = (cell if name == NAMES else _with_point(cell) for name, cell in zip(head.cells, row.cells, strict=True))
+        yield replace(row, cells=tuple(numbers))
+
+
+def _with_point(cell: str) -> str:
+    """Return a cell with a point in place of the decimal comma of its number."""
+    found = DECIMAL.fullmatch(cell)
+    return cell if found is None else f"{found[1]}.{''.join(found.group(3, 4, 5))}"
+
+
+def _row(number: int, line: str, mark: str) -> Row:
     try:
-        (cells,) = csv.reader([line], strict=True)
+        (cells,) = csv.reader([line], strict=True, delimiter=mark)
     except csv.Error as error:
         why = "holds a cell that is too long" if "field limit" in str(error) else f"is not CSV: {error}"
-        raise BadSheet(f"{why} (separate cells by commas; close each quote that opens a cell)", number) from None
+        raise BadSheet(f"{why} (separate cells by {'commas' if mark == COMMA else 'semicolons'}; close each quote that opens a cell)", number) from None
     if len(cells) > MOST_CELLS:
         raise BadSheet(f"has {len(cells)} cells (at most {MOST_CELLS} are allowed)", number)
-    return Row(number, line, tuple(cell.strip() for cell in cells))
+    return Row(number, line, tuple(cell.strip() for cell in cells), mark)
 
 
 def _check_remark(number: int, line: str, head: Row) -> None:
@@ -139,7 +173,7 @@ def _check_remark(number: int, line: str, head: Row) -> None:
     if number < head.line or not NUMBERED.match(text):
         return
     try:
-        count = len(_row(number, text).cells)
+        count = len(_row(number, text, head.mark).cells)
     except BadSheet:
         return
     if count == len(head.cells):

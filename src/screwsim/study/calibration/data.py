@@ -121,16 +121,16 @@ def _too_cold(point: Point, scene: Scene) -> Iterator[tuple[str, str]]:
 
 def _cells(row: Row, start: Position) -> list[tuple[str, Position]]:
     """Return the cells of a row with their places."""
-    return [(cell, start.at(row.line, at)) for cell, at in zip(row.cells, _starts(row.text), strict=False)]
+    return [(cell, start.at(row.line, at)) for cell, at in zip(row.cells, _starts(row), strict=False)]
 
 
-def _starts(line: str) -> Iterator[int]:
-    """Yield the column at which each cell of a line begins; commas inside quotes do not separate cells."""
+def _starts(row: Row) -> Iterator[int]:
+    """Yield the column at which each cell of a row begins; marks inside quotes do not separate cells."""
     yield 1
     quoted = False
-    for place, letter in enumerate(line):
+    for place, letter in enumerate(row.text):
         quoted ^= letter == '"'
-        if letter == "," and not quoted:
+        if letter == row.mark and not quoted:
             yield place + 2
 
 
