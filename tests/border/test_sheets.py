@@ -118,7 +118,7 @@ def test_tabs_between_cells_are_told():
 
 
 def test_semicolons_and_decimal_commas_are_the_table_of_commas_and_points():
-    points = sheet_of("name,T [degC],p,n\n2.4.1,-.5,1.25e-3 bar,1000\n\"1,5\",+3.000,7,2\n")
+    points = sheet_of('name,T [degC],p,n\n2.4.1,-.5,1.25e-3 bar,1000\n"1,5",+3.000,7,2\n')
     commas = sheet_of("name;T [degC];p;n\n2.4.1;-,5;1,25e-3 bar;1000\n1,5;+3,000;7;2\n")
     assert commas.names == points.names and commas.records() == points.records()
     assert commas.records()[1] == {"name": "1,5", "T [degC]": "+3.000", "p": "7", "n": "2"}
@@ -136,7 +136,10 @@ def test_semicolons_with_decimal_points_or_whole_numbers_are_read_as_they_stand(
             "a;b\n1,5;2\n3;1.5\n",
             "line 3: '1.5' and '1,5' have different decimal signs (write all with commas, or all with points)",
         ),
-        ("a;b\n1;2\n3;-3,000\n", "line 3: '-3,000' may have a comma for thousands or decimals (write -3000, or -3,0000)"),
+        (
+            "a;b\n1;2\n3;-3,000\n",
+            "line 3: '-3,000' may have a comma for thousands or decimals (write -3000, or -3,0000)",
+        ),
         ("a;b\n1.234;2 rpm\n", "line 2: '1.234' may have a point for thousands or decimals (write 1234, or 1.2340)"),
         ("a;b\n1,5;2;\n", "line 2: has 3 cells, but the first line has 2 (leave the rest out: one cell per column)"),
         ("name;b\nx;1,5\n#3;2\n", "line 3: begins with #, but has as many cells as a row"),

@@ -124,7 +124,11 @@ def test_points_with_semicolons_and_decimal_commas_are_those_with_commas_and_poi
             "points.csv:2:10: operation.speed: unit 'rmp' is not a speed (write e.g. '3000 rpm')",
         ),
         ("name,use", "Punkt,use", "points.csv:2:1: Punkt: is not known (use name, use, a scene path or a figure)"),
-        (",", "\t", "points.csv:2:1: data: is separated by tabs (save it with commas between cells and decimal points)"),
+        (
+            ",",
+            "\t",
+            "points.csv:2:1: data: is separated by tabs (save it with commas between cells and decimal points)",
+        ),
         ("1000,3.1", '"1,000",3.1', "points.csv:3:7: operation.speed: '1,000' has a comma that may separate"),
         ("3.1,0.1", "3.1,0", "points.csv:3:16: shaft_power: 0 is out of range"),
         ("3.1,0.1", "3.1,1e-300", "points.csv:3:1: shaft_power: its uncertainty is 3e-301 of the value, smaller than"),

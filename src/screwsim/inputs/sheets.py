@@ -146,7 +146,9 @@ def _with_points(head: Row, body: list[Row]) -> Iterator[Row]:
         what = f"{_short(found[0])} may have {'a comma' if signs == {COMMA} else 'a point'} for thousands or decimals"
         raise BadSheet(f"{what} (write {number[0]}, or {number[1]})", row.line)
     for row in body:
-        numbers = (cell if name == NAMES else _with_point(cell) for name, cell in zip(head.cells, row.cells, strict=True))
+        numbers = (
+            cell if name == NAMES else _with_point(cell) for name, cell in zip(head.cells, row.cells, strict=True)
+        )
         yield replace(row, cells=tuple(numbers))
 
 
@@ -161,7 +163,8 @@ def _row(number: int, line: str, mark: str) -> Row:
         (cells,) = csv.reader([line], strict=True, delimiter=mark)
     except csv.Error as error:
         why = "holds a cell that is too long" if "field limit" in str(error) else f"is not CSV: {error}"
-        raise BadSheet(f"{why} (separate cells by {'commas' if mark == COMMA else 'semicolons'}; close each quote that opens a cell)", number) from None
+        named = "commas" if mark == COMMA else "semicolons"
+        raise BadSheet(f"{why} (separate cells by {named}; close each quote that opens a cell)", number) from None
     if len(cells) > MOST_CELLS:
         raise BadSheet(f"has {len(cells)} cells (at most {MOST_CELLS} are allowed)", number)
     return Row(number, line, tuple(cell.strip() for cell in cells), mark)
