@@ -193,6 +193,30 @@ def test_what_warms_the_oil_again_and_the_gas_give_the_output(changed):
         assert p.oil_cooler_duty < -0.5 * p.output_power
 
 
+@pytest.mark.parametrize("changed", [(), ("effects.oil_volume=off",)])
+def test_what_flows_back_into_the_inlet_takes_its_heat_from_the_balance(changed):
+    """M492: where the gas is over-expanded and compressed again, warm gas and oil flow back through the inlet."""
+    p = run_of(OIL, "operation.discharge.pressure=19.5 bar", *changed)
+    T = p.separator_temperature
+    h_in, h_out = (PropsSI("H", "P", at, "T", each, "R134a") for at, each in ((20e5, 373.15), (19.5e5, T)))
+    gone = p.gas_mass_flow * (h_out - h_in) + p.oil_cooler_duty + p.inlet_backflow_heat
+    assert p.inlet_backflow_heat > 3e-3 * p.shaft_power
+    assert gone == pytest.approx(p.shaft_power, rel=1e-4)
+    assert run_of(OIL).inlet_backflow_heat == 0.0
+
+
+def test_heat_that_flows_back_into_the_inlet_is_what_shaft_and_outlet_leave_without_oil():
+    """M492: shaft and outlet against what comes in, by CoolProp."""
+    changes = "operation.discharge.pressure=14 bar", "machine.volume.min=3 cm^3"
+    p = run_of(POINT, *changes)
+    h_in, h_out = (PropsSI("H", "P", p_, "T", T, "R134a") for p_, T in ((20e5, 373.15), (14e5, p.discharge_temperature)))
+    left = p.indicated_power - p.gas_mass_flow * (h_out - h_in)
+    assert p.inlet_backflow_heat > 0.0
+    assert p.inlet_backflow_heat == pytest.approx(left, abs=1e-4 * abs(p.indicated_power))
+    returned = run_of(POINT, *changes, "effects.suction_line={}")
+    assert returned.inlet_backflow_heat == 0.0
+
+
 def test_what_no_cycle_changes_has_no_error():
     result = simulate(load(OIL), trace=False)
     for name in ("displacement", "displacement_flow", "built_in_volume_ratio", "suction_pressure", "pressure_ratio"):

@@ -174,6 +174,14 @@ def test_peak_pressure_is_the_traces_from_injection_to_the_widest_opening(result
     )  # steps against 1° rows
 
 
+@pytest.mark.parametrize("dead", ["52.8 mm^3", "5.28 mm^3"])
+def test_peak_pressure_leaves_out_what_is_squeezed_as_the_port_closes(dead):
+    """That follows from the dead volume (M24)."""
+    found = screwsim.simulate(screwsim.load(ROOT / "configs" / "r134a" / "point.yaml", [f"machine.volume.min={dead}"]))
+    assert found.performance.peak_pressure == pytest.approx(12.2e5, rel=1e-3)
+    assert found.cycle["pressure"].max() > (16e5 if dead == "52.8 mm^3" else 25e5)
+
+
 PLENUMS = "{discharge_volume: 3 l, suction_volume: 8 l, discharge_area: 15 cm^2, suction_area: 40 cm^2}"
 
 

@@ -43,16 +43,6 @@ def test_oil_colder_than_the_gas_is_named_where_it_lifts_the_efficiencies_above_
     assert "oil cools the gas during compression" in warning
 
 
-def test_what_is_squeezed_far_above_the_peak_pressure_as_the_port_closes_is_told():
-    """It follows from the dead volume, and is no part of the peak pressure (M24)."""
-    for dead, told_of in (("52.8 mm^3", False), ("5.28 mm^3", True)):
-        result = simulate(load(CONFIGS / "r134a/point.yaml", [f"machine.volume.min={dead}"]))
-        pressure, peak = result.cycle["pressure"], result.performance.peak_pressure
-        assert peak == pytest.approx(12.2e5, rel=1e-3)
-        assert (pressure.max() > 2.0 * peak) == told_of
-        assert bool(told(result, "what is left as the discharge port closes is squeezed to 27.7")) == told_of
-
-
 def test_gaps_that_let_more_back_than_is_displaced_are_told():
     result = at("paper/point.yaml", "effects.tip_leakage.gap=20 mm")
     assert result.performance.volumetric_efficiency < -0.5

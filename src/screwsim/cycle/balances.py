@@ -50,6 +50,19 @@ def streams_of(c: Composition, q: Array) -> Array:
     return q[c.first_stream :].reshape(-1, c.width)
 
 
+def heat_flowing_back(problem: Problem, streams: Array, T_oil: float) -> float:
+    """Return the heat [W] that gas and carried oil take into the suction line, by the streams of a life (M492).
+
+    It is that above gas of the line and above oil of `T_oil` [K] at the line's pressure.
+    """
+    oil, out = problem.parts.oil, streams[slots.SUCTION_OUT]
+    heat = -float(out[slots.OF_ENERGY] - problem.inlet.enthalpy * out[slots.OF_GAS])
+    if oil is not None and problem.composition.carried:
+        T = T_oil + problem.oil_pressure_term(problem.lines.p_s)
+        heat -= oil.heat_capacity * float(out[slots.OF_OIL_HEAT] - T * out[slots.OF_OIL])
+    return heat * problem.rate
+
+
 def walls_of(c: Composition, q: Array) -> Array:
     """Return for each wall the heat to the gas [J] and the integral of the conductance [J/K] over one life (M170)."""
     return q[slots.Q_WALLS : slots.Q_WALLS + 2 * len(c.walls)].reshape(-1, 2)

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from screwsim.build import open_values, separator_effects
+from screwsim.cycle.balances import heat_flowing_back
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
 from screwsim.effects.base import SUCTION, CoolsOil, FlowPath
@@ -17,9 +18,9 @@ from screwsim.figures.errors import LEAST_FILLING, worst
 from screwsim.fluid.orifice import outside_fit
 from screwsim.inputs.faults import UsageError
 from screwsim.model.compose import LINES
-from screwsim.model.slots import OF_ENERGY, OF_GAS, OF_OIL, OF_OIL_HEAT, R_OIL_BEFORE, SUCTION_OUT
+from screwsim.model.slots import R_OIL_BEFORE
 from screwsim.outputs import Figures
-from screwsim.outputs.customary import celsius, in_bar
+from screwsim.outputs.customary import celsius
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import FoundWithCycle
 
@@ -27,7 +28,6 @@ CONTRADICTS = 1.0  # [K] between a stated separator temperature and that of its 
 OPEN_TO_SUCTION = math.radians(1.0)  # of a plenum's port before the end of suction, tolerated
 HARDLY_KNOWN = 0.01  # relative error of figures over the net flow that deserves a warning
 OVER_FLOW = "specific_power", "oil_flow_ratio", "economizer_flow_ratio", "liquid_injection_flow_ratio"
-SQUEEZED = 2.0  # times the peak pressure: reached behind the port's widest opening, deserves a warning
 LOST, LOST_DRY = 0.02, 0.05  # of the shaft power: heat with backflow to suction that deserves a warning
 
 
@@ -51,7 +51,6 @@ def warnings(of: Evaluation) -> Iterator[str]:
     yield from _unfitted_bore(of)
     yield from _open_to_suction(of)
     yield from _lost_to_suction(of)
-    yield from _squeezed_rest(of)
     yield from late_valves.warnings(of)
     yield from _separator_warnings(of)
     yield from humidity.warnings(problem, of.life, found, of.circuit)
@@ -125,37 +124,19 @@ def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[tuple[str,
 
 def _lost_to_suction(of: Evaluation) -> Iterator[str]:
     """Yield a warning where much of the shaft power leaves to the suction line without being followed there."""
-    parts, power, out = of.problem.parts, of.figures["shaft_power"], of.streams[SUCTION_OUT]
+    parts, power = of.problem.parts, of.figures["shaft_power"]
     delivers = power > 0.0 and (of.figures["gas_mass_flow"] or 0.0) > 0.0
     carried = of.problem.composition.carried
     if parts.suction_line or parts.geometry.expands or not delivers or (parts.oil is not None and not carried):
         return
-    heat, what, most = -float(out[OF_ENERGY] - of.problem.inlet.enthalpy * out[OF_GAS]), "gas", LOST_DRY
-    if parts.oil is not None:
-        T_s = of.problem.lines.T_s + of.problem.oil_pressure_term(of.problem.lines.p_s)
-        heat -= parts.oil.heat_capacity * float(out[OF_OIL_HEAT] - T_s * out[OF_OIL])
-        what, most = "gas and oil", LOST
-    heat *= of.problem.rate
+    what, most = ("gas", LOST_DRY) if parts.oil is None else ("gas and oil", LOST)
+    heat = heat_flowing_back(of.problem, of.streams, of.problem.lines.T_s)
     if abs(heat) > most * power:
         brings, remedy = "warms" if heat > 0.0 else "cools", " or ".join(having(SUCTION_BACK))
         yield (
             f"{1e-3 * abs(heat):.3g} kW, {abs(heat) / power:.0%} of the shaft power, leaves with {what} flowing back "
             f"into the suction line, although in reality it {brings} the intake (name {remedy}, which takes that into "
             "account)"
-        )
-
-
-def _squeezed_rest(of: Evaluation) -> Iterator[str]:
-    """Yield a warning where what is left as the discharge port closes is squeezed far above the peak pressure."""
-    geometry, peak = of.problem.parts.geometry, of.figures["peak_pressure"]
-    if peak is None or geometry.widest_discharge() >= geometry.life:
-        return
-    highest = of.life.peak_pressure(geometry.life)
-    if highest > SQUEEZED * peak:
-        yield (
-            f"what is left as the discharge port closes is squeezed to {in_bar(highest)}, far above the peak pressure "
-            f"of {in_bar(peak)}, which is sought up to the port's widest opening (check how the port closes, and the "
-            "dead volume, machine.volume.min)"
         )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from screwsim.build import build_site
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import flow_past_suction_port, outflow_dissolved_gas, outflow_of, streams_of
+from screwsim.cycle.balances import flow_past_suction_port, heat_flowing_back, outflow_dissolved_gas, outflow_of, streams_of
 from screwsim.cycle.cycle_figures import CycleFigures, brought_by_oil, oil_lift
 from screwsim.cycle.problem import Problem
 from screwsim.effects import having
@@ -94,6 +94,9 @@ def figures_of(
         found |= _of_suction_line(problem, life, streams, suction_line.suction_heat(problem, shaft))
     if parts.geometry.expands:
         take(_of_expander(problem, life, known, found, drawn))
+        T_oil = problem.lines.T_s if parts.oil is None else parts.oil.temperature
+        back = 0.0 if parts.suction_line else heat_flowing_back(problem, streams, T_oil)  # the line brings it again
+        found["inlet_backflow_heat"] = back
     if parts.walls:
         found["wall_heat"] = float(q[slots.Q_WALLS : slots.Q_WALLS + 2 * len(parts.walls) : 2].sum()) * rate
     take(performance.readings(parts, known, found))

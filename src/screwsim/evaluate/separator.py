@@ -122,10 +122,11 @@ def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, 
 
         if c.ported:
             taken_up += heat(streams[slots.PORT_OIL, slots.OF_OIL_HEAT], streams[slots.PORT_OIL, slots.OF_OIL])
-        of_line = (slots.SUCTION_IN, slots.SUCTION_OUT) if parts.suction_line else ()
+        line = parts.suction_line or parts.geometry.expands  # to which oil flows back, and not to the separator
+        of_line = (slots.SUCTION_IN, slots.SUCTION_OUT) if line else ()
         lines = [row for row in range(len(streams)) if row not in (slots.BETWEEN, slots.PORT_OIL, *of_line)]
         energy -= heat(streams[lines, slots.OF_OIL_HEAT], streams[lines, slots.OF_OIL])
-        if parts.suction_line:
+        if line:
             # oil that circulates through the suction line, and the leak to it, which leaves before the separator
             back = streams[slots.SUCTION_IN] + streams[slots.SUCTION_OUT]
             leaked = heat(leak.oil_heat, leak.oil)

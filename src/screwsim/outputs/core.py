@@ -228,6 +228,13 @@ _CORE = (
         needs=EXPANDED,
         by_flow=True,
     ),
+    Figure(
+        "inlet_backflow_heat",
+        "W",
+        "heat that gas and oil take with them where they flow back into an expander's inlet",
+        POWER,
+        needs=EXPANDED,
+    ),
     Figure("wall_heat", "W", "net heat from walls into the gas", POWER, WALLED),
     Figure(
         "discharge_dissolved_gas_ratio",
