@@ -209,12 +209,27 @@ def test_heat_that_flows_back_into_the_inlet_is_what_shaft_and_outlet_leave_with
     """M492: shaft and outlet against what comes in, by CoolProp."""
     changes = "operation.discharge.pressure=14 bar", "machine.volume.min=3 cm^3"
     p = run_of(POINT, *changes)
-    h_in, h_out = (PropsSI("H", "P", p_, "T", T, "R134a") for p_, T in ((20e5, 373.15), (14e5, p.discharge_temperature)))
+    h_in, h_out = (
+        PropsSI("H", "P", p_, "T", T, "R134a") for p_, T in ((20e5, 373.15), (14e5, p.discharge_temperature))
+    )
     left = p.indicated_power - p.gas_mass_flow * (h_out - h_in)
     assert p.inlet_backflow_heat > 0.0
     assert p.inlet_backflow_heat == pytest.approx(left, abs=1e-4 * abs(p.indicated_power))
     returned = run_of(POINT, *changes, "effects.suction_line={}")
     assert returned.inlet_backflow_heat == 0.0
+
+
+@pytest.mark.parametrize("case", ["1.32e-6, 4014 rpm, 8.64 bar", "7.71e-6, 4167 rpm, 8.20 bar"])
+def test_the_temperature_of_a_trace_of_oil_is_as_accurate_as_stated(case):
+    """That of the line is not closed with less oil than 1e-4, and most of what flows out has flowed back from there."""
+    ratio, speed, p_d = case.split(", ")
+    changes = [f"oil_supply.ratio={ratio}", f"operation.speed={speed}", f"operation.discharge.pressure={p_d}"]
+    found, exact = (simulate(load(OIL, [*changes, f"numerics.accuracy={each}"])) for each in (1e-3, 1e-6))
+    T, error = exact.performance.oil_discharge_temperature, found.error.oil_discharge_temperature
+    off = abs(found.performance.oil_discharge_temperature / T - 1.0)
+    assert off < 1.5 * error + exact.error.oil_discharge_temperature
+    held = simulate(load(OIL, [*changes, "numerics={accuracy: 1e-3, rtol: 7.5e-5}"]))  # nothing is tightened
+    assert abs(held.performance.oil_discharge_temperature / T - 1.0) < held.error.oil_discharge_temperature
 
 
 def test_what_no_cycle_changes_has_no_error():

@@ -8,7 +8,13 @@ import numpy as np
 
 from screwsim.build import build_site
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import flow_past_suction_port, heat_flowing_back, outflow_dissolved_gas, outflow_of, streams_of
+from screwsim.cycle.balances import (
+    flow_past_suction_port,
+    heat_flowing_back,
+    outflow_dissolved_gas,
+    outflow_of,
+    streams_of,
+)
 from screwsim.cycle.cycle_figures import CycleFigures, brought_by_oil, oil_lift
 from screwsim.cycle.problem import Problem
 from screwsim.effects import having

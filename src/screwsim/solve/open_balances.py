@@ -6,14 +6,15 @@ Source: docs/model.md M41; docs/explanation/errors.md.
 from collections.abc import Iterator
 
 from screwsim.cycle import balances
-from screwsim.cycle.backflow import later_warming
-from screwsim.cycle.feedback import line_unknowns
+from screwsim.cycle.backflow import MOST_TURNS, later_warming
+from screwsim.cycle.feedback import AT_RATIO, AT_TEMPERATURE, line_unknowns
+from screwsim.cycle.problem import LEAST_OIL
 from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.ways import way_of
 from screwsim.effects.base import FlowPath
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.figures.errors import error_of, flow_errors
-from screwsim.model.slots import OF_GAS, OF_OIL, SUCTION_OUT
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, OF_OIL, SUCTION_OUT
 from screwsim.outputs import Figures, names_of
 from screwsim.solve.misread_intake import misread_return
 from screwsim.solve.outflow_heat import misread_of_gas, misread_of_oil
@@ -49,6 +50,7 @@ def open_balance_errors(of: Evaluation, cycle: CycleSolution) -> Iterator[Figure
         misread = misread_of_oil(problem, cycle.trajectory)
         sizes = {OIL_OUT: misread.temperature, HELD_OUT: misread.held}
         yield Figures({name: error_of(name, size, found) for name, size in sizes.items() if found.get(name)})
+    yield _unclosed_oil_errors(of)
     yield _gas_heat_errors(of, cycle)
     yield _returned_errors(of, cycle)
     if balances.meets_line_at_angle(problem) and not way_of(cycle).whole:
@@ -66,6 +68,24 @@ def later_warming_errors(of: Evaluation, cycle: CycleSolution) -> Figures:
     taken = line_unknowns(problem, of.life.R)
     later = abs(later_warming(problem, cycle.q, taken, of.image[: len(taken)]))
     return Figures({name: error_of(name, later, found) for name in (GAS_OUT, OIL_OUT) if later and found.get(name)})
+
+
+def _unclosed_oil_errors(of: Evaluation) -> Figures:
+    """Return the error of the temperature of outflowing oil that is too little for the line's to be closed.
+
+    What flows back is at the line's temperature. Were it what flows out that does, its share s of what flows out would
+    change that by s/(1 − s) of how far both are apart.
+    """
+    problem, found = of.problem, of.figures
+    if not problem.composition.carried or found.get(OIL_OUT) is None:
+        return Figures()
+    taken, out = line_unknowns(problem, of.life.R), -float(of.streams[DISCHARGE_OUT, OF_OIL])
+    made = of.image[: len(taken)]
+    if made[AT_RATIO] >= LEAST_OIL or not out > 0.0:
+        return Figures()
+    share = min(float(of.streams[DISCHARGE_IN, OF_OIL]) / out, MOST_TURNS / (1.0 + MOST_TURNS))
+    apart = abs(float(made[AT_TEMPERATURE] - taken[AT_TEMPERATURE]))
+    return Figures({OIL_OUT: error_of(OIL_OUT, share / (1.0 - share) * apart, found)})
 
 
 def _gas_heat_errors(of: Evaluation, cycle: CycleSolution) -> Figures:
