@@ -229,7 +229,7 @@ def test_the_speed_beside_the_swept_volume_is_the_one_that_a_motor_on_the_mains_
 def test_an_expanders_oil_comes_from_a_pump_and_is_warmed_elsewhere():
     for changes, warms in (
         ([], "39.6 kW warm it again"),
-        (["effects.separator=off"], "what warms it again is not simulated"),
+        (["effects.separator=off"], "what warms it again is not simulated (effects.separator)"),
     ):
         scene = screwsim.load(CONFIGS / "expander" / "oil.yaml", changes)
         (told,) = dict(oil_line(scene, screwsim.simulate(scene).performance)).values()

@@ -282,8 +282,7 @@ def oil_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) -> L
     duty, cooled, (factor, unit) = found.get(DUTY), is_oil_cooled(scene), units.heat
     if duty is None:
         heat = "what warms it again" if scene.machine.expands else "the duty of its cooler"
-        where = "" if scene.machine.expands else " (effects.separator)"
-        yield "oil", f"{text}; {heat} is not simulated{where}"
+        yield "oil", f"{text}; {heat} is not simulated (effects.separator)"
     elif duty < 0.0:
         yield "oil", f"{text}; {-factor * duty:.1f} {unit} warm it again"
     else:
