@@ -125,10 +125,19 @@ def test_a_size_or_a_temperature_outside_of_the_ratings_is_told(figure, inside, 
         assert [text.startswith(told) for text in found] == ([True] if value in outside else [])
 
 
-def test_every_model_error_of_a_machine_with_saturation_states_the_size_and_the_temperatures_that_it_holds_for():
+def test_every_model_error_states_the_size_that_it_holds_for_and_of_a_machine_with_saturation_the_temperatures():
     for name, stated in stored_model_errors().items():
-        there = {"displacement", "evaporating_temperature", "condensing_temperature"} <= set(stated["range"])
-        assert there is (name != "cagi")  # an air package, whose points come from a curve
+        assert "displacement" in stated["range"]
+        there = {"evaporating_temperature", "condensing_temperature"} <= set(stated["range"])
+        assert there is (name != "cagi")  # air
+
+
+def test_a_package_of_another_size_than_the_one_compared_with_a_data_sheet_is_told():
+    scene = screwsim.load(ROOT / "validation" / "cagi" / "machine.yaml", ["uncertainty.model=cagi"])
+    own = screwsim.simulate(scene).performance
+    assert model_error(scene, {**own, "pressure_ratio": 9.62})["outside"] == []
+    small = model_error(scene, {**own, "pressure_ratio": 9.62, "displacement": 2.112e-3})["outside"]
+    assert small == ["displacement per revolution 2112 cm³ (7122 cm³)"]
 
 
 def test_a_scene_that_names_none_is_told_nothing():

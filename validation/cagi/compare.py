@@ -16,6 +16,7 @@ from screwsim.outputs.us_units import CFM, HORSEPOWER, PSI
 from screwsim.scene import Scene, load, with_values
 from screwsim.scene.lines import lines
 from screwsim.scene.model_errors import RATIO, SPEED
+from screwsim.scene.model_errors import SIZE as DISPLACEMENT
 from screwsim.simulate import simulate_many
 from screwsim.study.uncertainty.model_error import conditions_of
 from screwsim.study.validation import (
@@ -72,11 +73,15 @@ SIZE_BASIS = "10 %: size, speed, ports and motor are ours; the fan at its nomina
 
 @dataclass(frozen=True)
 class Curve:
-    """A package over its speeds: flow [m³/s] at suction, electrical power [W] without fan, volumetric efficiency."""
+    """A package over its speeds: flow [m³/s] at suction, electrical power [W] without fan, volumetric efficiency.
+
+    `displacement` [m³] per revolution is that of the computed machine; a sheet gives none.
+    """
 
     flow: Sequence[float]
     power: Sequence[float]
     filled: Sequence[float]
+    displacement: float | None = None
 
     def at(self, values: Sequence[float], flow: float) -> float:
         """Return what `values` of the curve are at a flow [m³/s]. Raises NotRun outside it."""
@@ -102,7 +107,7 @@ def swept(scene_file: Path, full: float, lost: tuple[float, float], changes: Seq
     without = _figures(scene, lost, np.zeros(len(SPEEDS)))
     found = _figures(scene, lost, (_flow(without) / full) ** 2)
     power, filled = ([each[name] for each in found] for name in ("electrical_power", "volumetric_efficiency"))
-    return Curve(_flow(found).tolist(), power, filled)
+    return Curve(_flow(found).tolist(), power, filled, found[0].displacement)
 
 
 def _figures(scene: Scene, lost: tuple[float, float], shares: np.ndarray) -> list[Figures]:
@@ -227,7 +232,8 @@ def compared_points(file: Path, curve: Curve, sheet: Curve) -> list[ValidationPo
     for flow, theirs in zip(sheet.flow, sheet.power, strict=True):
         ours = fan * curve.at(curve.power, flow)
         speed = curve.at((SPEEDS * RPM).tolist(), flow)
-        at = {**conditions_of(scene, {}), SPEED: speed, RATIO: between.p_d / between.p_s}
+        found_there = {DISPLACEMENT: curve.displacement, RATIO: between.p_d / between.p_s}
+        at = {**conditions_of(scene, found_there), SPEED: speed}
         name, numerical = f"{flow / CFM:.0f} cfm", scene.numerics.accuracy * ours
         found.append(ValidationPoint("cagi", name, "electrical_power", ours, theirs, numerical, None, None, False, at))
     return found
