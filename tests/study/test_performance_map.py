@@ -168,6 +168,19 @@ def test_a_map_says_how_far_the_tolerances_of_the_inputs_move_its_points(tmp_pat
     assert out.read_text().partition("\n")[0].endswith(",by_inputs")
 
 
+def test_a_point_of_a_map_has_the_tolerances_of_its_figures(tmp_path, capsys):
+    with_them = str(swept(tmp_path, *AXES, simulate=with_tolerance).path)
+    at = ["--at", "evaporating_temperature=1 degC, condensing_temperature=41 degC", "--figure", "shaft_power"]
+    assert exit_code(["map", with_them, *at]) == 0
+    text = capsys.readouterr().out
+    assert re.search(r"^shaft power .* kW  ± 3\.5 %$", text, re.MULTILINE)
+    assert "±: half of the 95 % interval by the inputs' tolerances, mean over the points" in " ".join(text.split())
+    assert exit_code(["map", with_them, *at, "--json"]) == 0
+    (point,) = json.loads(capsys.readouterr().out)["points"]
+    share = (8 * 0.04 + 7 * 0.03) / 15
+    assert point["by_inputs"]["shaft_power"] == pytest.approx(share * point["figures"]["shaft_power"], rel=1e-12)
+
+
 def test_a_map_names_an_input_that_has_no_derivative_at_some_point(tmp_path, capsys):
     def lost_in_the_cold(scene):
         result = with_tolerance(scene)
@@ -179,6 +192,12 @@ def test_a_map_names_an_input_that_has_no_derivative_at_some_point(tmp_path, cap
     exit_code(["map", str(swept(tmp_path, *AXES, simulate=lost_in_the_cold).path), "--figure", "shaft_power"])
     told = " ".join(capsys.readouterr().out.split())
     assert "without oil.heat_capacity, whose part is unknown at some points, so too small there" in told
+
+
+def test_a_point_of_a_map_without_tolerances_has_none(known, capsys):
+    at = ["--at", "evaporating_temperature=1 degC, condensing_temperature=41 degC", "--figure", "shaft_power"]
+    assert exit_code(["map", known, *at]) == 0
+    assert "±" not in capsys.readouterr().out
 
 
 def test_a_map_without_tolerances_has_no_line_of_them(known, capsys):

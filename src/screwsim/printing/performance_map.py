@@ -57,9 +57,7 @@ def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
     if any(ELECTRICAL in each.fits for each in maps) and not any(SHAFT in each.fits for each in maps):
         print_text("power: electrical power (--figure shaft_power for the power at the shaft)")
     if any(map(_by_inputs_known, maps)):
-        lost = left_out_words(_labels_left_out(results))
-        without = f"; {lost} at some points, so too small there" if lost else ""
-        print_text(f"by tolerances: half of the 95 % interval by the inputs' tolerances, mean over the points{without}")
+        _print_by_inputs(results, "by tolerances")
     for each in maps:
         say()
         if each.values:
@@ -70,6 +68,13 @@ def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
 
 def _by_inputs_known(one: PerformanceMap) -> bool:
     return any(fit.by_inputs is not None for fit in one.fits.values())
+
+
+def _print_by_inputs(results: Results, label: str) -> None:
+    """Print what a label of intervals by tolerances means, and what they lack."""
+    lost = left_out_words(_labels_left_out(results))
+    without = f"; {lost} at some points, so too small there" if lost else ""
+    print_text(f"{label}: half of the 95 % interval by the inputs' tolerances, mean over the points{without}")
 
 
 def _labels_left_out(results: Results) -> list[str]:
@@ -123,15 +128,26 @@ def points_document(results: Results, points: Sequence[MapPoint]) -> dict[str, A
 def print_points(results: Results, points: Sequence[MapPoint]) -> None:
     """Print the figures of the map at each point, in customary units."""
     print_scene_title(results.attributes["title"])
+    if any(point.by_inputs for point in points):
+        _print_by_inputs(results, "±")
     for point in points:
         temperatures = (point.evaporating_temperature, point.condensing_temperature)
         at = " / ".join(f"{round(T - ZERO_CELSIUS, 6):g}" for T in temperatures)
         others = place_in_words(point.values)
         say()
         print_text(f"evaporating / condensing temperature {at} °C{', ' if others else ''}{others}")
-        rows = [[shown_name(name), *engineering(results.figure(name), value)] for name, value in point.figures.items()]
-        say("\n".join(f"{name:<28}{number:>12}  {unit}" for name, number, unit in rows))
+        rows = [
+            (shown_name(name), *engineering(results.figure(name), value), _share(point, name))
+            for name, value in point.figures.items()
+        ]
+        say("\n".join(f"{name:<28}{number:>12}  {unit}{share}" for name, number, unit, share in rows))
     _print_warnings(results)
+
+
+def _share(point: MapPoint, figure: str) -> str:
+    """Return half of a figure's interval by tolerances, relative to the figure, as printed behind it."""
+    half, value = point.by_inputs.get(figure), abs(point.figures[figure])
+    return "" if half is None or value == 0.0 else f"  ± {100.0 * half / value:.2g} %"
 
 
 def protect_other_maps(path: Path) -> None:

@@ -22,12 +22,17 @@ SAME_VALUE = 1e-9  # relative difference within which values of other axes are t
 
 
 class MapPoint(NamedTuple):
-    """A map at one point: the temperatures [K], the values of its other axes [SI], its figures [SI]."""
+    """A map at one point: the temperatures [K], the values of its other axes [SI], its figures [SI].
+
+    `by_inputs` is half of their 95 % interval by the tolerances of the inputs [SI], by the map's mean share of it; empty
+    without tolerances.
+    """
 
     evaporating_temperature: float
     condensing_temperature: float
     values: Mapping[str, Any]
     figures: Mapping[str, float]
+    by_inputs: Mapping[str, float]
 
 
 @checked_arguments(evaporating_temperature=NUMBER, condensing_temperature=NUMBER)
@@ -82,7 +87,9 @@ def evaluated_at(
         what = f"({S:.6g}, {D:.6g}) °C lies outside the envelope {corners} °C, where the polynomial says nothing"
         raise UsageError(f"{what} (choose a point inside, or a sweep that reaches it)")
     found = {figure: float(one.evaluate(figure, S, D)) for figure in one.fits}
-    return MapPoint(T_e, T_c, one.values, found)
+    shares = {figure: fit.by_inputs for figure, fit in one.fits.items() if fit.by_inputs is not None}
+    by_inputs = {figure: share * abs(found[figure]) for figure, share in shares.items()}
+    return MapPoint(T_e, T_c, one.values, found, by_inputs)
 
 
 def _is_same_value(own: Any, asked: Any) -> bool:
