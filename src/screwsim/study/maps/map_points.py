@@ -24,7 +24,7 @@ SAME_VALUE = 1e-9  # relative difference within which values of other axes are t
 class MapPoint(NamedTuple):
     """A map at one point: the temperatures [K], the values of its other axes [SI], its figures [SI].
 
-    `by_inputs` is half of their 95 % interval by the tolerances of the inputs [SI], by the map's mean share of it; empty
+    `by_inputs` is half of their 95 % interval by the tolerances of the inputs [SI], by the map's mean share; empty
     without tolerances.
     """
 
