@@ -385,7 +385,7 @@ def test_a_heat_pump_meets_the_temperatures_of_scop_by_its_own(chilled):
         assert [point.load for point in points.points] == load.tolist()
         assert T_e == pytest.approx(np.array(outside) - (outside[0] + 15.0) * load)
         assert T_c == pytest.approx(np.array([55.0, 52.0, 42.0, 36.0, 30.0]) + 3.0 * load)
-        assert points.capacity == "heating_capacity"
+        assert points.aim.load == "heating_capacity"
 
 
 def test_over_shares_of_the_heat_a_heating_cop_is_heat_over_work(chilled):

@@ -76,13 +76,13 @@ def _part_load_result(
 ) -> tuple[dict[str, float], Result]:
     """Return the control and the result at a part load of the full one's capacity."""
     result, control = full
-    capacity = result.performance[points.capacity]
+    capacity = result.performance[points.aim.load]
     low, high = _control_range(scene, points.by, control, load)
     start = load * control * result.performance.volumetric_cooling_capacity / _cooling(scene, result)
     if points.heating:
         start *= _less_work(scene, result)
     span = Span(points.by, low, high, min(max(start, low), high) if points.by == "operation.speed" else control)
-    goal = Goal(points.capacity, load * capacity)
+    goal = Goal(points.aim.load, load * capacity)
     trials = Trials(scene, (span,), (goal,), simulate, LOAD_TOLERANCE)
     met = one_goal.solve(trials)
     if met is None or met.result is None:

@@ -14,6 +14,7 @@ from screwsim.scene.units import NUMBER, ZERO_CELSIUS, refused_at
 from screwsim.scene.values import convert
 from screwsim.study.asked.inputs import check_continuous
 from screwsim.study.optimize.seasons import SeasonalStandard, standards
+from screwsim.study.part_load import HEATING, REFRIGERATION, LoadFigures
 
 LEAST_CONDENSING = 20.0  # [°C] down to which a chiller's control lets condensation fall: an assumption of ours
 LEAST_APPROACH = 1.0  # [K] between water or air and refrigerant at full load
@@ -49,14 +50,14 @@ class OperatingPoints:
     heating: bool = False
 
     @property
-    def capacity(self) -> str:
-        """Figure of which a load is a share."""
-        return "heating_capacity" if self.heating else "cooling_capacity"
+    def aim(self) -> LoadFigures:
+        """Figure of which a load is a share, and the one of heat over work."""
+        return HEATING if self.heating else REFRIGERATION
 
     @property
     def cops(self) -> tuple[str, str]:
         """Figures that are heat over work, at the shaft and at the motor."""
-        return ("heating_cop", "electrical_heating_cop") if self.heating else ("cop", "electrical_cop")
+        return self.aim.best, f"electrical_{self.aim.best}"
 
     @property
     def single(self) -> bool:

@@ -49,7 +49,7 @@ class Question:
     @property
     def figures(self) -> tuple[str, ...]:
         """Figures that every operating point must have."""
-        loads = (self.points.capacity,) if any(point.load is not None for point in self.points.points) else ()
+        loads = (self.points.aim.load,) if any(point.load is not None for point in self.points.points) else ()
         named = (*(aim.figure for aim in self.aims), *(bound.figure for bound in self.bounds), *loads)
         return tuple(dict.fromkeys(named))
 
@@ -118,7 +118,7 @@ def _operating_points(scene: Varied, over: str | OperatingPoints | None, spans: 
         raise UsageError(f"--vary {min(both)}: {what} (remove it from one of the two)")
     if any(point.load is not None for point in points.points):
         check_continuous(scene, points.by)
-        figure_of(scene, points.capacity, "--over")
+        figure_of(scene, points.aim.load, "--over")
     return points
 
 
