@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import screwsim
-from screwsim.derivatives import driven
+from screwsim.derivatives import argument_changes, collocation, directions, driven
 from screwsim.scene import with_values
 from screwsim.scene.fields import value_at
 from screwsim.simulate import simulate
@@ -38,6 +38,22 @@ def test_slopes_are_those_of_cycles_closed_with_their_drive(file, speed, path):
         one, other = (each.performance[name] for each in (high, low))
         slope = (one - other) / (2.0 * SHARE) / found.result.performance[name]
         assert found.relative(name, path) == pytest.approx(slope, rel=CLOSE, abs=NOISE), name
+
+
+def test_what_the_rates_feel_of_unknowns_is_computed_once_for_all_rounds(monkeypatch):
+    """Only the curve of the speed changes from round to round; bits as without that."""
+    scene = screwsim.load(DRIVES / "point.yaml", ["operation.speed=700 rpm"])
+    paths, counts, found = ["effects.drive.rotor_inertia"], [], []
+    own, rates = collocation.linearised, argument_changes.rates_of
+    asked = []
+    monkeypatch.setattr(argument_changes, "rates_of", lambda *of: asked.append(len(of[2])) or rates(*of))
+    for each in (own, lambda cycle, changes, injected, _: own(cycle, changes, injected, None)):
+        monkeypatch.setattr(directions, "linearised", each)
+        asked.clear()
+        found.append(sensitivities(scene, paths, FIGURES, fine=False))
+        counts.append(sum(asked))
+    assert counts[0] < 0.9 * counts[1]
+    assert all(found[0].relative(name, paths[0]) == found[1].relative(name, paths[0]) for name in FIGURES)
 
 
 def test_the_unshifted_cycle_is_read_once_for_all_rounds_of_chambers_and_drive(monkeypatch):

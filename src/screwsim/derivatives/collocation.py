@@ -15,7 +15,7 @@ from screwsim.derivatives.chamber_newton import SMALL, ChamberFactors, approach,
 from screwsim.derivatives.crossings import crossings
 from screwsim.derivatives.events import Course, course_of
 from screwsim.derivatives.line_flows import line_inflow
-from screwsim.derivatives.linear import DirectEffects, LinearisedPitch, Response
+from screwsim.derivatives.linear import DirectEffects, LinearisedPitch, RateEffects, Response
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.phases import borders
 from screwsim.derivatives.pitch import CollocatedPitch, Slopes
@@ -100,13 +100,14 @@ class LinearisedCycle(NamedTuple):
     """The response of a collocated cycle to changes, a column each, at fixed unknowns, and to each unknown.
 
     `back` (u, u) is the response of the unknowns to themselves, in coordinates; `given` marks those that the scene
-    states.
+    states; `own` are the effects of the unknowns.
     """
 
     by_changes: Response
     by_unknowns: Response
     back: Array
     given: Array
+    own: RateEffects
 
 
 class NotClosed(Exception):
@@ -302,21 +303,20 @@ def _closed(
 
 
 def linearised(
-    cycle: CollocatedCycle, changes: Sequence[ArgumentChange], injected: DirectEffects, back: Array | None = None
+    cycle: CollocatedCycle, changes: Sequence[ArgumentChange], injected: DirectEffects, last: LinearisedCycle | None
 ) -> LinearisedCycle:
-    """Return the cycle's responses to changes and to its unknowns; `back` may be given where it is known.
+    """Return the cycle's responses to changes and to its unknowns; from the `last`, what depends on it alone.
 
-    `injected` are the changes of states and cells by the injection, one column for each change (…, changes). All
-    are computed together, as rates side by side, followed through the slices in one pass, cost less.
+    `injected`: those of states and cells by the injection, a column each. All at once, side by side, cost less.
     """
-    pitch, Y, at, unknowns_in = cycle.pitch, cycle.nodes, cycle.at, cycle.unknowns_in
-    pitch.put(at)
-    unknowns = [_moved(pitch, at, unknowns_in, j) for j in range(len(unknowns_in))]
-    linear = LinearisedPitch(pitch, Y, cycle.slopes, [*unknowns, *changes], injected, borders(pitch, Y))
-    of_unknowns, of_changes = slice(len(unknowns_in)), slice(len(unknowns_in), None)
-    by_unknowns, by_changes = linear.first.of(of_unknowns), linear.first.of(of_changes)
-    back = unknowns_response(cycle, by_unknowns, 0) if back is None else back
-    return LinearisedCycle(by_changes, by_unknowns, back, _stated_unknowns(back))
+    pitch, count, own = cycle.pitch, len(cycle.unknowns_in), None if last is None else last.own
+    pitch.put(cycle.at)
+    every = [*(_moved(pitch, cycle.at, cycle.unknowns_in, j) for j in range(count)), *changes]
+    crossed = borders(pitch, cycle.nodes)
+    linear = LinearisedPitch(pitch, cycle.nodes, cycle.slopes, every, injected, crossed, count, own)
+    by_unknowns, by_changes = linear.first.of(slice(count)), linear.first.of(slice(count, None))
+    back = unknowns_response(cycle, by_unknowns, 0) if last is None else last.back
+    return LinearisedCycle(by_changes, by_unknowns, back, _stated_unknowns(back), linear.own)
 
 
 def _stated_unknowns(back: Array) -> Array:

@@ -67,7 +67,7 @@ class Directions:
         self.spare = Machinery(machinery.composition, machinery.module, ROOM)
         base = cycle.pitch.problem.composition
         self.breakpoints = machinery.pitch_breakpoints()
-        self._back: Array | None = None
+        self._linear: LinearisedCycle | None = None
         self.life = cycle.pitch.life(cycle.start, cycle.nodes, cycle.pitch.after(cycle.nodes))
         c = machinery.composition
         width = base.P[base.widths]
@@ -177,8 +177,8 @@ class Directions:
         ]
         some = [directions[j] for j in felt] or directions[:1]
         start, cells = (np.stack([getattr(each, name) for each in some], axis=-1) for name in ("start", "cells"))
-        found = linearised(self.cycle, [each.change for each in some], DirectEffects(start, cells), self._back)
-        self._back = found.back  # depends on the cycle alone
+        found = linearised(self.cycle, [each.change for each in some], DirectEffects(start, cells), self._linear)
+        self._linear = found  # parts of it depend on the cycle alone
         if len(some) == len(directions):
             return found
         among = np.zeros((len(some), len(directions)))

@@ -35,6 +35,14 @@ class DirectEffects(NamedTuple):
     cells: Array
 
 
+class RateEffects(NamedTuple):
+    """Effects on the stage equations (slices, NODES, N, k), on quadratures (…, k) and on line flows of changes."""
+
+    right: Array
+    sums: Array
+    lines: Array
+
+
 class Response(NamedTuple):
     """Changes, columns (…, k), of states at the start, of cells, of quadratures, of line flows and of states at nodes.
 
@@ -144,7 +152,8 @@ class LinearisedPitch:
 
     `first` is its response to changes, a column each: passing them at once costs little more than the matrices
     alone. `injected` are the direct effects of the last of these changes on states after the injection and on its
-    cells.
+    cells. `own` are the effects of cells, events and the first changes, as many as `shared`: those of an earlier
+    linearisation at the same states serve again.
     """
 
     def __init__(
@@ -155,6 +164,8 @@ class LinearisedPitch:
         changes: Sequence[ArgumentChange] = (),
         injected: DirectEffects | None = None,
         borders: Sequence[BorderCrossing] = (),
+        shared: int = 0,
+        own: RateEffects | None = None,
     ) -> None:
         self.pitch, self.slopes = pitch, slopes
         self.inject, self.noted = injection(pitch, Y)
@@ -169,11 +180,21 @@ class LinearisedPitch:
         self._known = cells + len(moving)  # columns before those of changes
         columns = self._known + len(changes)
         right = zeros(*Y.shape, -(-columns // LANES) * LANES)  # whole registers, as a partial one takes as long
-        of_rates, lines = along(pitch, Y, pitch.numbers, [*felt, *moving, *changes], right, N)  # cheaper side by side
-        right[..., N:cells] /= sizes[self._feels]
-        of_rates[:, : len(felt)] /= sizes[self._feels]
-        lines[..., : len(felt)] /= sizes[self._feels]
-        of_rates[:, len(felt) : len(felt) + len(moving)] = along_events(pitch, Y, right[..., cells : self._known])
+        each_change = [*felt, *moving, *changes]
+        first = self._known - N + shared if own is not None else 0  # whose effects are known
+        rest = along(pitch, Y, pitch.numbers, each_change[first:], right, N + first)  # cheaper side by side
+        if own is None:
+            of_rates, lines = rest
+            right[..., N:cells] /= sizes[self._feels]
+            of_rates[:, : len(felt)] /= sizes[self._feels]
+            lines[..., : len(felt)] /= sizes[self._feels]
+            of_rates[:, len(felt) : len(felt) + len(moving)] = along_events(pitch, Y, right[..., cells : self._known])
+            some = slice(self._known - N + shared)
+            own = RateEffects(right[..., N : self._known + shared].copy(), of_rates[:, some], lines[..., some])
+        else:
+            right[..., N : N + first] = own.right
+            of_rates, lines = (np.concatenate(both, axis=-1) for both in zip(own[1:], rest, strict=True))
+        self.own = own
         of_cells = map(pitch.cells_as_numbers, np.eye(len(sizes))[self._feels])
         numbers = [*of_cells, *(each.numbers for each in (*moving, *changes))]
         found = self._through(np.eye(N, right.shape[-1]), right, borders, numbers)
