@@ -10,6 +10,7 @@ from each_row import each_row
 from scenes import DROP, ECONOMIZER, FRICTION, HELD_GAPS, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, SOLUBLE_RATE, make
 
 from screwsim.build import PartsCache, build_parts
+from screwsim.model import series
 from screwsim.model.compose import compose
 from screwsim.model.renumbering import renumbered
 from screwsim.model.series import Composer
@@ -123,6 +124,34 @@ def test_another_number_of_a_scene_needs_no_text_and_gives_what_composing_does(n
         assert_same(found, anew)
         assert np.array_equal(found.recipe.P, anew.recipe.P)
         assert (found.recipe.held, found.recipe.angles) == (anew.recipe.held, anew.recipe.angles)
+
+
+@pytest.mark.parametrize("name", ["air/fixed_speed_7", "r134a/compact"])
+def test_another_number_of_a_scene_with_a_profile_is_written_only_where_tables_change(name):
+    """Parts without any number may share one empty mapping."""
+    scene, stock = load(CONFIGS / f"{name}.yaml"), PartsCache()
+    before = build_parts(scene, stock)
+    composition, written = compose(before), 0
+    for path, value in numeric_paths(scene)[0].items():
+        parts = build_parts(with_values(scene, {path: value * (1.0 + 1e-6)}), stock)
+        found, anew = renumbered(before, composition, parts), compose(parts)
+        if found is None:
+            assert not np.array_equal(composition.TAB, anew.TAB), path
+            written += 1
+        else:
+            assert_same(found, anew)
+    assert 0 < written < 0.4 * len(numeric_paths(scene)[0])
+
+
+def test_a_table_that_changes_and_changes_back_is_not_written_twice(monkeypatch):
+    scene, stock, composer, written = load(CONFIGS / "r134a" / "compact.yaml"), PartsCache(), Composer(), []
+    monkeypatch.setattr(series, "compose", lambda parts: written.append(parts) or compose(parts))
+    length, speed = scene.machine.rotor_length, scene.operation.speed
+    for changed in ({}, {"machine.rotor_length": 1.01 * length}, {"effects.tip_leakage.gap": 3e-5}, {}):
+        found = with_values(scene, {"operation.speed": speed * (1.0 + 1e-3 * len(written)), **changed})
+        parts = build_parts(found, stock)
+        assert_same(composer.compose(parts), compose(parts))
+    assert len(written) == 2
 
 
 @pytest.mark.parametrize("model", ["real", "ideal"])

@@ -4,6 +4,7 @@ Whatever affects the text is compared; each number is read from where the earlie
 that affect more than calls of kernels, must be the same.
 """
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from operator import attrgetter
 from typing import Any
@@ -53,7 +54,8 @@ def stored_numbers(parts: Parts, law: Any, numbers: Mapping[int, tuple[Any, str]
     """Return where numbers, by index in P, are stored in parts; None where one is stored nowhere or ambiguously."""
     holders = list(_holders(parts, law))
     by_id = {id(each): i for i, each in enumerate(holders)}
-    if len(by_id) < len(holders) or not all(id(holder) in by_id for holder, _ in numbers.values()):
+    times, used = Counter(map(id, holders)), {id(holder) for holder, _ in numbers.values()}
+    if any(times[each] != 1 for each in used):
         return None
     return tuple(
         StoredNumber(place, by_id[id(holder)], name, isinstance(holder, Mapping))

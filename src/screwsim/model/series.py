@@ -10,6 +10,9 @@ from screwsim.numerics.frozen import with_changes
 from screwsim.numerics.identity_cache import keep
 
 
+WRITTEN = 3  # written compositions kept: a table may change, and change back
+
+
 class Composer:
     """Composes the scenes of a series; a scene that differs from an earlier one only in its operation shares its text.
 
@@ -18,12 +21,12 @@ class Composer:
 
     def __init__(self) -> None:
         self._known: dict[tuple[int, int], tuple[Parts, Composition]] = {}  # by ids of geometry and effects, kept alive
-        self._last: tuple[Parts, Composition] | None = None  # the last one that was written
+        self._written: list[tuple[Parts, Composition]] = []  # those that were written, the last one of use first
 
     def lent(self) -> Composer:
         """Return a composer with the same knowledge that keeps new compositions to itself."""
         found = Composer()
-        found._known, found._last = dict(self._known), self._last
+        found._known, found._written = dict(self._known), list(self._written)
         return found
 
     def compose(self, parts: Parts) -> Composition:
@@ -38,8 +41,15 @@ class Composer:
             P[list(last[1].made)] = list(parts.made.values())
             return with_changes(last[1], P=P)
         self._known.pop(key, None)
-        found = None if self._last is None else renumbered(*self._last, parts)
-        if found is None:
-            found = compose(parts)
-            self._last = parts, found
-        return keep(self._known, key, (parts, found))[1]
+        return keep(self._known, key, (parts, self._renumbered_or_written(parts)))[1]
+
+    def _renumbered_or_written(self, parts: Parts) -> Composition:
+        """Return a composition with numbers of its own and the text of one that was written, or one written anew."""
+        for place, written in enumerate(self._written):
+            found = renumbered(*written, parts)
+            if found is not None:
+                self._written.insert(0, self._written.pop(place))
+                return found
+        found = compose(parts)
+        self._written = [(parts, found), *self._written[: WRITTEN - 1]]
+        return found
