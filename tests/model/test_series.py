@@ -108,7 +108,7 @@ def test_what_is_lent_knows_the_same_and_keeps_nothing_for_its_lender():
 
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-SHIPPED = ("paper/point", "r134a/point", "r454b/point", "expander/point", "air/moist")
+SHIPPED = ("paper/point", "r134a/point", "r454b/point", "expander/point", "air/moist", "drive/point")
 
 
 @pytest.mark.parametrize("name", SHIPPED)

@@ -22,7 +22,6 @@ from screwsim.effects.base import (
     Pulsation,
     Resistance,
     Scaled,
-    Shaft,
     Stops,
     SuctionLine,
     Wall,
@@ -47,7 +46,7 @@ STRUCTURE: dict[type, Callable[[Any], Any]] = {
     OilPort: attrgetter("flow", "pumped"),
 }
 OF_GAS = ("state", "phased_state", "specific_entropy", "varies")  # the same of a gas, besides the names of its values
-WHOLE = (OilGas, OilRoom, Plenum, Pulsation, Scaled, Shaft, Stops, SuctionLine)  # parts that must be equal
+WHOLE = (OilGas, OilRoom, Plenum, Pulsation, Scaled, Stops, SuctionLine)  # parts that must be equal
 
 
 def stored_numbers(parts: Parts, law: Any, numbers: Mapping[int, tuple[Any, str]]) -> tuple[StoredNumber, ...] | None:
@@ -143,7 +142,7 @@ def _structure(parts: Parts, law: Any) -> tuple[Any, ...]:
     """Return what affects the text about machine, gas and effects; equal where these differ in numbers only."""
     geometry, gas = parts.geometry, parts.gas
     return (
-        (type(geometry), geometry.chambers, geometry.expands),
+        (type(geometry), geometry.chambers, geometry.pitch, geometry.expands),
         (*(getattr(gas, name) for name in OF_GAS), gas.values.keys()),
         (law.volume, law.slope, law.mirror is None, law.values.keys(), _arrays(law)),
         [(name, [_structure_of(part) for part in items]) for name, items in parts.effects.items()],

@@ -9,7 +9,6 @@ from screwsim.model.renumbering import differ_in_numbers_only, operating_numbers
 from screwsim.numerics.frozen import with_changes
 from screwsim.numerics.identity_cache import keep
 
-
 WRITTEN = 3  # written compositions kept: a table may change, and change back
 
 

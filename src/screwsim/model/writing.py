@@ -156,7 +156,7 @@ def write_pulsations(writer: ModelWriter, parts: Parts) -> None:
     calls = [""] * 2
     for part in parts.pulsations:
         offset, first = made(writer, part.offset), made(writer, part.harmonics[0])
-        phase = f"phi * {writer.numbers.add(2.0 * math.pi / parts.geometry.pitch, 'per_pitch')}"
+        phase = f"phi * {writer.numbers.add(2.0 * math.pi / parts.geometry.pitch, 'per_pitch', structural=True)}"
         first = first.removeprefix("P[").removesuffix("]")
         call = f"{pulsation.harmonics.flat_name}({phase}, P, {first}, {len(part.harmonics) // 2})"
         number = parts.number(part.to)
@@ -212,7 +212,7 @@ def write_volume(writer: ModelWriter, law: Any) -> None:
 def write_speed(writer: ModelWriter, pitch: float) -> None:
     """Make all quantities per time follow the speed over the pitch."""
     start = writer.speed_curve = len(writer.numbers.values) + 1
-    curve = writer.numbers.add(float(start), "speed_curve")
+    curve = writer.numbers.add(float(start), "speed_curve", structural=True)
     writer.numbers.values.extend(flat_curve(pitch).tolist())
     writer.kernels.append(slowness)
     writer.network.kernels[slowness.flat_name] = slowness
@@ -290,7 +290,8 @@ def write_stops(writer: ModelWriter, stops: Sequence[Stops], states: Sequence[st
     arguments = f"{', '.join(PUSH_SYMBOLS)}, y, at, P"
     for part in stops:
         call = writer.call(part.push, part.values, {}, (*PUSH_SYMBOLS, *states[2:]), of=part.position)
-        seat, stop = (writer.numbers.add(each, f"{part.position}_restitution") for each in part.restitution)
+        label = f"{part.position}_restitution"
+        seat, stop = (writer.numbers.add(each, label, structural=True) for each in part.restitution)
         writer.network.stops.append(Stop(part.position, part.speed, seat, stop))
         asked = named_states([f"return {call}"], states, set(part.push.arguments))
         writer.function(f"push__{part.position}({arguments})", asked)
