@@ -87,7 +87,7 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
         yield simulate_next(series, scene, trace)
 
 
-def simulate_next(series: Series, scene: Scene, trace: Trace = True) -> Result:
+def simulate_next(series: Series, scene: Scene, trace: Trace) -> Result:
     """Return the result of one more scene of a series, as `simulate_many` does."""
     return _result(scene, trace, series)
 

@@ -84,7 +84,7 @@ def map_of(
     return map_of_scene(scene, over or (), figures, wanted, most, jobs, progress, told)
 
 
-def map_of_results(results: Results, figures: Sequence[str] | None = None) -> MapTable:
+def map_of_results(results: Results, figures: Sequence[str] | None) -> MapTable:
     """Return the map of a sweep's results; raise `UsageError` for a figure that they do not have."""
     names = [figure_named(text, results.figures, results.error) for text in figures or ()]
     absent = [name for name in names if name not in results.figures]
@@ -95,12 +95,12 @@ def map_of_results(results: Results, figures: Sequence[str] | None = None) -> Ma
 
 def map_of_scene(
     scene: Varied,
-    over: Sequence[str] | Mapping[str, tuple[float, float]] = (),
-    figures: Sequence[str] | None = None,
-    wanted: float | None = None,
-    most: int | None = None,
-    jobs: int | None = None,
-    progress: Callable[[], Progress] | None = None,
+    over: Sequence[str] | Mapping[str, tuple[float, float]],
+    figures: Sequence[str] | None,
+    wanted: float | None,
+    most: int | None,
+    jobs: int | None,
+    progress: Callable[[], Progress] | None,
     told: Callable[[Varied, tuple[Input, ...]], None] | None = None,
     dashes: str = "--",
 ) -> MapTable:

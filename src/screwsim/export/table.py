@@ -70,7 +70,7 @@ def tabulated_map(
     wanted: float,
     *,
     most: int = 5000,
-    jobs: int | None = None,
+    jobs: int | None,
     progress: Callable[[], Progress] | None = None,
     simulate: Any = None,
 ) -> MapTable:

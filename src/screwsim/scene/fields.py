@@ -136,7 +136,7 @@ def value_at(scene: Scene, path: str) -> Any:
 
 
 def sweep_leaf(
-    path: str, parameters: Mapping[str, type], kind: str = TWIN_SCREW, before: str = "", fixed: tuple[str, ...] = ()
+    path: str, parameters: Mapping[str, type], kind: str, before: str = "", fixed: tuple[str, ...] = ()
 ) -> Leaf:
     """Return the leaf of a path that may be varied; raise `Refused`.
 

@@ -109,9 +109,7 @@ def read_axes(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, d
     return axes
 
 
-def read_zip(
-    node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, first: str = _SPEED
-) -> list[tuple[Joint, Axes]]:
+def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, first: str) -> list[tuple[Joint, Axes]]:
     """Return the groups of axes whose values are combined one by one, each with its joint."""
     remedy = f"write [{{{first}: […], {first.removesuffix(_SPEED)}oil_supply.ratio: […]}}]"
     if not isinstance(node.value, list) or not all(isinstance(group.value, dict) for group in node.value):
@@ -131,7 +129,7 @@ def read_zip(
 
 
 def read_sample(
-    node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, first: str = _SPEED
+    node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, first: str
 ) -> tuple[Joint, Axes] | None:
     """Return a sample with its values, or None after faults were added."""
     remedy = f"write {{kind: sobol, count: 64, seed: 1, over: {{{first}: {{from: 1000 rpm, to: 3000 rpm}}}}}}"

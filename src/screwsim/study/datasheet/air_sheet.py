@@ -85,7 +85,7 @@ def _percent(share: float, digits: int = 0) -> str:
     return f"{100.0 * share:.{digits}f} %"
 
 
-def point_row(point: Point, full: Point, units: Units = METRIC) -> list[str]:
+def point_row(point: Point, full: Point, units: Units) -> list[str]:
     """Return the cells of a point of the sheet, under `HEADS` or `US_HEADS`."""
     speed = f"{point.rotor_speed / RPM:.0f}"
     if not point.flow > 0.0:

@@ -23,7 +23,7 @@ from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.columns import BAR, KW, NONE, Column, in_units
 from screwsim.study.datasheet.rated import Part, answers_of
 from screwsim.study.datasheet.sheet import Sheet, Table
-from screwsim.study.datasheet.units import METRIC, Units
+from screwsim.study.datasheet.units import Units
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.study.pool.progress import Progress
 from screwsim.study.pool.workers import WORKER_DIED
@@ -52,10 +52,10 @@ def is_air_package(chain: StageChain) -> bool:
 
 def air_stages_sheet(
     chain: StageChain,
-    demands: Sequence[Demand] = (),
-    jobs: int | None = None,
-    progress: Progress | None = None,
-    units: Units = METRIC,
+    demands: Sequence[Demand],
+    jobs: int | None,
+    progress: Progress | None,
+    units: Units,
 ) -> Sheet:
     """Return the sheet of two stages of air, with the energy of demands; raise UsageError for axes but speeds."""
     speeds, found = _rated(chain, jobs, progress)

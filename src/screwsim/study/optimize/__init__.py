@@ -167,7 +167,7 @@ def run_question(
     asked: Question,
     output: str | Path | None = None,
     *,
-    jobs: int | None = None,
+    jobs: int | None,
     restart: bool = False,
     simulate: Simulate | None = None,
     progress: Progress | None = None,

@@ -122,7 +122,7 @@ def find_each(
     scene: Varied,
     asked: Question,
     *,
-    jobs: int | None = None,
+    jobs: int | None,
     simulate: Simulate | None = None,
     progress: Progress | None = None,
 ) -> list[GoalSeekAnswer]:
