@@ -1,13 +1,9 @@
-"""Let the tests, and the workers they start, import the fakes and `true_error`, whatever the import mode."""
+"""Fits without time, and files of one moment."""
 
 import sys
 from datetime import datetime
-from pathlib import Path
 
 import pytest
-
-HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "results"), str(HERE.parent / "tools")]
 
 
 @pytest.fixture

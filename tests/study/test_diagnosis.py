@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fit_fakes import SCENE, coordinates, plane, product, torn, write_fit
+from fit_fakes import CAPACITY, GAP, HEAD, ONE_START, SCENE, coordinates, plane, product, torn, write_fit
 
 import screwsim
 from screwsim.cli import exit_code
@@ -28,16 +28,7 @@ from screwsim.study.uncertainty.slopes import Sensitivities
 pytestmark = pytest.mark.around
 
 ROOT = Path(__file__).parents[2]
-GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
 UNCHANGED = {GAP: "50 um", CAPACITY: "2 kJ/(kg K)"}  # 5 kW and 2 kW per 1000 rpm
-FIT = """\
-scene: machine.yaml
-data: points.csv
-parameters:
-  effects.tip_leakage.gap: {from: 10 um, to: 100 um}
-  oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}
-"""
-HEAD = "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
 
 
 def points(of=lambda n: 5.0 + 2.0 * n, seed=1, noise=0.05, count=6):
@@ -48,7 +39,7 @@ def points(of=lambda n: 5.0 + 2.0 * n, seed=1, noise=0.05, count=6):
 
 
 def written(folder, text):
-    return write_fit(folder, FIT, text, screwsim.loads(SCENE).with_(UNCHANGED).text)
+    return write_fit(folder, ONE_START, text, screwsim.loads(SCENE).with_(UNCHANGED).text)
 
 
 def asked(folder, text, simulator=plane, **how):
@@ -61,7 +52,9 @@ def by_path(found):
 
 def test_of_a_parameter_that_does_nothing_the_points_tell_nothing(tmp_path, capsys):
     """Its probability is that beforehand, and its interval that of its bounds; of another they tell. It has no best."""
-    idle = FIT.replace("oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", "operation.ambient_temperature: IDLE")
+    idle = ONE_START.replace(
+        "oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", "operation.ambient_temperature: IDLE"
+    )
     fit = write_fit(
         tmp_path,
         idle.replace("IDLE", "{from: 280 K, to: 300 K}"),
@@ -441,7 +434,7 @@ def warmer(scene):
 def test_a_temperature_is_in_degrees_celsius_and_its_change_in_kelvins(tmp_path, capsys):
     """It was 303 K, as nowhere else."""
     path = "operation.ambient_temperature"
-    fit = FIT.replace(
+    fit = ONE_START.replace(
         "oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", f"{path}: {{from: 10 degC, to: 50 degC}}"
     )
     scene = screwsim.loads(SCENE).with_({**UNCHANGED, path: "25 degC"}).text

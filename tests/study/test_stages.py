@@ -2,13 +2,13 @@
 
 import json
 import re
-import sys
 from dataclasses import replace
 from functools import partial
 from math import log
 from pathlib import Path
 
 import pytest
+from scenes import DROP, ECONOMIZER, SOLUBLE, scene_dict
 
 from screwsim.build import build_gas
 from screwsim.cli import exit_code
@@ -22,9 +22,6 @@ from screwsim.simulate import simulate
 from screwsim.study.stages import is_stages, read_stages, run_stages
 from screwsim.study.stages.result import capacities, electrical_figures
 from screwsim.study.stages.solve import ChainResult
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import DROP, ECONOMIZER, SOLUBLE, scene_dict
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ACCURACY = 3e-4

@@ -3,12 +3,11 @@
 import csv
 import json
 import re
-import sys
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import pytest
+from scenes import scene_dict, two_stages
 
 from screwsim.cli import exit_code
 from screwsim.figures.errors import relative_errors, worst
@@ -21,9 +20,6 @@ from screwsim.study.stages import read_stages, run_stages, solve
 from screwsim.study.stages.result import ChainResult, figures_of_both
 from screwsim.study.sweep import stages as points
 from screwsim.study.sweep.stages import KeptPoints, sweep_stages
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import scene_dict, two_stages
 
 SPEEDS = {"first.operation.speed": ["2500 rpm", "3000 rpm"], "second.operation.speed": ["1300 rpm", "10000 rpm"]}
 
