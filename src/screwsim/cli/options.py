@@ -202,13 +202,11 @@ def base_point(scene: AnyScene, file: str) -> AnyScene:
     """Return the scene without its sweep, as stored with the result; if it has one, report that on stderr."""
     if not scene.sweep:
         return scene
-    from screwsim.scene import Scene, scene_text
+    from screwsim.scene import Scene, scene_text, without_sweep
 
     report_ignored_sweep(scene, f"{file}: its", f"screwsim sweep {quote(file)} simulates the sweep")
-    if not isinstance(scene, Scene):
-        return replace(scene, sweep={}, joints=())
-    base = replace(scene, sweep={})
-    return replace(base, text=scene_text(base))
+    base = without_sweep(scene)
+    return replace(base, text=scene_text(base)) if isinstance(base, Scene) else base
 
 
 def report_sweeps_of_stages(chain: StageChain, file: str) -> None:

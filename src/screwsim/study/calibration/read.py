@@ -9,7 +9,7 @@ from typing import Any
 from screwsim.effects import catalogue
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
-from screwsim.scene import Scene, cross_check, leaf_of, load
+from screwsim.scene import Scene, cross_check, leaf_of, load, without_sweep
 from screwsim.scene.axis import SPACING, read_fields
 from screwsim.scene.fields import Leaf, leaf_paths
 from screwsim.scene.file_kinds import other_file
@@ -88,7 +88,7 @@ def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problem
     if head is None or ("scene" not in other and not _is_file(root, "scene", head["scene"], problems)):
         return None
     scene_file = other.get("scene", os.path.join(root.place.folder, head["scene"]))
-    scene = replace(load(scene_file), sweep={}, joints=())
+    scene = without_sweep(load(scene_file))
     accuracy = min(scene.numerics.accuracy, ACCURACY) if head["accuracy"] is None else head["accuracy"]
     scene = with_accuracy(scene, accuracy) or scene  # a tolerance that it states itself stays
     parameters = _parameters(root, scene, problems)

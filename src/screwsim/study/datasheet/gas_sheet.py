@@ -247,7 +247,7 @@ def rating_request(
     expands = scene.machine.expands
     beside = {SPEED_PATH, RATIO_PATH} if expands else {RATIO_PATH, *CONTROL_ENDS}
     over = f"{SPEED_PATH}, {inlet} and {outlet}" if expands else f"{inlet}, {outlet} and controls of the flow"
-    base = rating.without_sweep(scene, {inlet, outlet, *beside}, over)
+    base = rating.base_of(scene, {inlet, outlet, *beside}, over)
     if expands and ranges.get(first) is None and inlet not in scene.sweep:
         speeds = rating.swept_values(scene, SPEED_PATH) or tuple(share * base.operation.speed for share in SPEED_SHARES)
         across = Axis(SPEED_PATH, speeds)

@@ -14,7 +14,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.scene import Scene, cross_check, with_values
+from screwsim.scene import Scene, cross_check, with_values, without_sweep
 from screwsim.scene.grid import Swept
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
@@ -187,7 +187,7 @@ class Part(NamedTuple):
     lost: Any
 
 
-def without_sweep(scene: Scene, known: Set[str], over: str) -> Scene:
+def base_of(scene: Scene, known: Set[str], over: str) -> Scene:
     """Return a scene without its sweep; raise UsageError, naming `over`, where it varies paths other than `known`."""
     others = [path for path in scene.sweep if path not in known]
     if others or scene.joints:
@@ -196,7 +196,7 @@ def without_sweep(scene: Scene, known: Set[str], over: str) -> Scene:
             f"datasheet: a sheet covers {over}, but the scene varies {path} in another way (remove that axis, and "
             f"rate one value at a time with --set {path}=VALUE)"
         )
-    return replace(scene, sweep={}, joints=())
+    return without_sweep(scene)
 
 
 def swept_values(scene: Swept, path: str) -> tuple[float, ...]:

@@ -138,7 +138,7 @@ def rating_request(
     """
     second = GAS_COOLER_P if scene.operation.gas_cooler is not None else CONDENSING
     over = f"{EVAPORATING}, {second} and controls of the capacity"
-    base = rating.without_sweep(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
+    base = rating.base_of(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
     across = axis_values(base, EVAPORATING, evaporating, "--evaporating", rating.swept_values(scene, EVAPORATING))
     down = axis_values(base, second, condensing, "--condensing", rating.swept_values(scene, second))
     aim = BY_HEATING if heating else REFRIGERATION

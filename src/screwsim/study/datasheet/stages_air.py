@@ -5,7 +5,6 @@ lowest flow; another one has fixed speed. Free air, input and specific power are
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -94,7 +93,7 @@ def _rated(
     own = {f"{name}.{SPEED_PATH}": scene.operation.speed for name, scene in chain.by_stage.items()}
     cases = [{**own, **grid.case_values(chain, i)} for i in range(grid.case_count(chain))]
     cases.sort(key=lambda case: [-case[name] for name in SPEEDS])
-    base, dead = replace(chain, sweep={}, joints=()), ChainResult("failed", WORKER_DIED)
+    base, dead = grid.without_sweep(chain), ChainResult("failed", WORKER_DIED)
     found = answers_of([Part(partial(solved_with, base, case), dead) for case in cases], jobs, progress)
     return [(float(case[SPEEDS[0]]), float(case[SPEEDS[1]])) for case in cases], found
 

@@ -19,7 +19,7 @@ from screwsim.fluid.models import condenses
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.customary import in_bar, in_celsius
-from screwsim.scene import Scene, cross_check, lines, scene_text, with_values
+from screwsim.scene import Scene, cross_check, lines, scene_text, with_values, without_sweep
 from screwsim.scene.types import ActiveEffect, parameters_of_type
 from screwsim.simulate import simulate, simulate_next
 from screwsim.study.stages.axes import SOLVED, STAGE_NAMES, UNLOADED_STAGE
@@ -62,7 +62,7 @@ def _with_lines(scene: Scene, p_s: float, state: tuple[str, float], p_d: float) 
     values: dict[str, Any] = {f"operation.{each}": None for each in _STATED}
     values |= {"operation.suction.temperature": None, "operation.suction.pressure": p_s}
     values |= {f"operation.suction.{name}": value}
-    return with_values(replace(scene, sweep={}, joints=()), {**values, "operation.discharge.pressure": p_d})
+    return with_values(without_sweep(scene), {**values, "operation.discharge.pressure": p_d})
 
 
 def _with_separator(scene: Scene) -> Scene:
