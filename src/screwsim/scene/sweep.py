@@ -133,12 +133,9 @@ def read_sample(
 ) -> tuple[Joint, Axes] | None:
     """Return a sample with its values, or None after faults were added."""
     remedy = f"write {{kind: sobol, count: 64, seed: 1, over: {{{first}: {{from: 1000 rpm, to: 3000 rpm}}}}}}"
-    if not isinstance(node.value, dict):
-        problems.add(node.place, path, f"{shown(node.value)} is not a mapping ({remedy})")
-        return None
     before = len(problems)
     given = read_fields(_FIELDS, node, path, problems, remedy, also=("over",))
-    over = _over(node, join(path, "over"), leaf_of, problems, remedy)
+    over = _over(node, join(path, "over"), leaf_of, problems, remedy) if isinstance(node.value, dict) else ()
     if given is None or len(problems) > before:
         return None
     if given["kind"] == "sobol" and given["count"] & (given["count"] - 1):
