@@ -1,4 +1,4 @@
-"""Fits without time, and files of one moment."""
+"""Fits without time, files of one moment, and a sweep that nothing disturbs."""
 
 import sys
 from datetime import datetime
@@ -38,3 +38,15 @@ def one_moment():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("screwsim.results.schema.datetime", OneMoment)
         yield
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory):
+    """Return the file of a sweep that nothing disturbs."""
+    from sweep_fakes import chained, grid_scene
+
+    from screwsim.study.sweep import run_sweep
+
+    output = tmp_path_factory.mktemp("reference") / "one.h5"
+    run_sweep(grid_scene(), output, jobs=1, simulate_many=chained)
+    return output

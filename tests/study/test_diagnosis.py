@@ -38,6 +38,12 @@ def points(of=lambda n: 5.0 + 2.0 * n, seed=1, noise=0.05, count=6):
     return HEAD + "\n".join(rows) + "\n"
 
 
+def measured_of(text):
+    """Return the speeds [1000 rpm] and powers [kW] of points."""
+    rows = [line.split(",") for line in text.splitlines()[1:]]
+    return np.array([[float(row[2]) / 1e3, float(row[3])] for row in rows]).T
+
+
 def written(folder, text):
     return write_fit(folder, ONE_START, text, screwsim.loads(SCENE).with_(UNCHANGED).text)
 
@@ -97,8 +103,7 @@ def test_inputs_that_are_not_known_widen_the_measurement():
 def test_probabilities_are_those_of_bayes_rule(tmp_path):
     text = points(lambda n: 5.06 + 2.0 * n)
     found = by_path(asked(tmp_path, text, unchanged=0.4, pairs=0.0))
-    rows = [line.split(",") for line in text.splitlines()[1:]]
-    n, measured = np.array([[float(row[2]) / 1e3, float(row[3])] for row in rows]).T
+    n, measured = measured_of(text)
 
     def likelihood(gap, capacity):
         return np.exp(-0.5 * np.sum(((gap + capacity * n - measured) / 0.05) ** 2))
@@ -176,8 +181,7 @@ def test_the_likelihood_between_solutions_is_that_of_the_model(tmp_path):
     # near the least power, where slopes say nothing: the likelihood is flat and falls off on both sides, no normal one
     text = points(lambda n: 5.0 + 0.2 * 0.5**2 + 2.0 * n)
     found = by_path(asked(tmp_path, text, bent))
-    rows = [line.split(",") for line in text.splitlines()[1:]]
-    n, measured = np.array([[float(row[2]) / 1e3, float(row[3])] for row in rows]).T
+    n, measured = measured_of(text)
     gaps = np.linspace(1.0, 10.0, 20_001)
     off = 5.0 + 0.2 * (gaps[:, None] - 4.0) ** 2 + 2.0 * n - measured
     likelihood = np.exp(-0.5 * np.sum((off / 0.05) ** 2, axis=1))
@@ -260,8 +264,7 @@ def test_the_evidence_of_two_changes_is_the_mean_likelihood_between_the_bounds_o
 def test_probabilities_of_pairs_are_those_of_bayes_rule(tmp_path):
     text = points(lambda n: 5.4 + 1.9 * n)
     found = by_path(asked(tmp_path, text, unchanged=0.4, pairs=0.25))
-    rows = [line.split(",") for line in text.splitlines()[1:]]
-    n, measured = np.array([[float(row[2]) / 1e3, float(row[3])] for row in rows]).T
+    n, measured = measured_of(text)
     gaps, capacities = np.linspace(1.0, 10.0, 3001), np.linspace(1.0, 3.0, 3001)
 
     def likelihood(gap, capacity):

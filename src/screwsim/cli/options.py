@@ -211,7 +211,7 @@ def base_point(scene: AnyScene, file: str) -> AnyScene:
 
 def report_sweeps_of_stages(chain: StageChain, file: str) -> None:
     """Report on stderr that the sweeps of the scenes of a two-stage file are ignored, if there are some."""
-    for name, scene in (("first", chain.first), ("second", chain.second)):
+    for name, scene in chain.by_stage.items():
         report_ignored_sweep(scene, f"{file}: the {name} scene's", "a sweep of two stages stands in the two-stage file")
 
 

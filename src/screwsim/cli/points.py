@@ -158,7 +158,7 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, measured: Sequ
 
 
 def _report_ignored_model_errors(file: str, chain: StageChain) -> None:
-    for name, scene in (("first", chain.first), ("second", chain.second)):
+    for name, scene in chain.by_stage.items():
         if scene.model_error:
             told = "model error is ignored (screwsim run of that scene shows it)"
             say(f"{file}: the {name} scene's {told}", err=True)

@@ -116,11 +116,11 @@ def _columns(rated: ChainRating) -> tuple[Column, ...]:
     head = (capacity, power, cop) if cold else (mass, power, efficiency)
     rest = [Column(INTERMEDIATE, "Intermediate pressure [bar]", BAR, 3)]
     rest += [mass] if cold else []
-    for which in ("first", "second"):
+    for which in STAGE_NAMES:
         rest.append(Column(f"{which}_shaft_power", f"Shaft power of the {which} stage [kW]", KW, kw))
-    for which, figure in zip(("first", "second"), DISCHARGES, strict=True):
+    for which, figure in zip(STAGE_NAMES, DISCHARGES, strict=True):
         rest.append(Column(figure, f"Discharge temperature of the {which} stage [°C]", 1.0, 1, celsius=True))
-    cooled = zip(("first", "second"), DUTIES, rated.asked.scenes, strict=True)
+    cooled = zip(STAGE_NAMES, DUTIES, rated.asked.scenes, strict=True)
     for which, figure, scene in cooled:
         if tables.is_oil_cooled(scene) or abs(own.get(figure) or 0.0) > 0.0:
             rest.append(Column(figure, f"Oil cooler duty of the {which} stage [kW]", KW, kw))
