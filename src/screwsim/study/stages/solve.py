@@ -21,7 +21,7 @@ from screwsim.outputs import Figures, Result
 from screwsim.outputs.customary import in_bar, in_celsius
 from screwsim.scene import Scene, cross_check, lines, scene_text, with_values, without_sweep
 from screwsim.scene.types import ActiveEffect, parameters_of_type
-from screwsim.simulate import simulate, simulate_next
+from screwsim.simulate import simulate_next
 from screwsim.study.stages.axes import SOLVED, STAGE_NAMES, UNLOADED_STAGE
 from screwsim.study.stages.figures import ChainEnds, StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.result import ChainResult, chain_errors, delivery_temperature_figure, idle_cooler
@@ -132,7 +132,7 @@ class ChainSolver(ChainEnds):
         other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
         parted, unparted = _with_separator(other) if trace else other, ""
         if parted is not other:
-            second = self._simulated(parted, "second", trace)
+            second = simulate_next(self._series.get("second"), parted, trace)
             if second.status == "ok":
                 return StagePair(p, (scene, parted), (first, second), vapour, T)
             unparted = second.message
@@ -142,17 +142,13 @@ class ChainSolver(ChainEnds):
     def _solved(self, scene: Scene, name: str, trace: bool, before: tuple[Result, ...] = ()) -> Result:
         if not getattr(package_of(scene), "delivers", True):
             raise Stop("failed", f"the {name} stage {UNLOADED_STAGE}", before)
-        result = self._simulated(scene, name, trace)
+        result = simulate_next(self._series.get(name), scene, trace)
         at = f"{lines(scene).p_s / 1e5:.4g} to {lines(scene).p_d / 1e5:.4g} bar"
         if result.status != "ok":
             raise Stop(result.status, f"the {name} stage, {at}: {result.message}", (*before, result))
         if result.performance.gas_mass_flow <= 0.0 or result.performance.discharge_temperature is None:
             raise Stop("failed", f"the {name} stage delivers nothing, {at}", (*before, result))
         return result
-
-    def _simulated(self, scene: Scene, name: str, trace: bool) -> Result:
-        series = self._series.get(name)
-        return simulate(scene, trace=trace) if series is None else simulate_next(series, scene, trace)
 
     def _check_dry(self, p: float, T_d: float, first: Result) -> None:
         """Raise `Stop` where the first stage delivers wet vapour: its temperature does not determine its enthalpy."""
