@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -202,11 +201,11 @@ def base_point(scene: AnyScene, file: str) -> AnyScene:
     """Return the scene without its sweep, as stored with the result; if it has one, report that on stderr."""
     if not scene.sweep:
         return scene
-    from screwsim.scene import Scene, scene_text, without_sweep
+    from screwsim.scene import without_sweep
+    from screwsim.study.asked.varied import with_text
 
     report_ignored_sweep(scene, f"{file}: its", f"screwsim sweep {quote(file)} simulates the sweep")
-    base = without_sweep(scene)
-    return replace(base, text=scene_text(base)) if isinstance(base, Scene) else base
+    return with_text(without_sweep(scene))
 
 
 def report_sweeps_of_stages(chain: StageChain, file: str) -> None:

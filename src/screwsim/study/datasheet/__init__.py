@@ -78,7 +78,7 @@ def sheet_of(subject: Scene | StageChain, asked: SheetOptions) -> Sheet:
 
 
 def _sheet_of_scene(scene: Scene, asked: SheetOptions) -> Sheet:
-    if package_of(scene) is not None and scene.gas.name.lower() == "air":
+    if package_of(scene) is not None and scene.gas.is_air:
         from screwsim.study.datasheet.air_rating import rating as air_rating
         from screwsim.study.datasheet.air_sheet import air_sheet
         from screwsim.study.datasheet.hottest_room import room_limits

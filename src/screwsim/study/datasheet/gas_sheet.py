@@ -61,7 +61,7 @@ def gas_sheet(rated: SceneRating) -> Sheet:
         humid = WITHOUT_WATER if scene.gas.relative_humidity is not None else ""
         notes[-1:-1] = [
             f"{standard.flow.unit}: as an ideal gas at {standard.words}{humid}",
-            *([PACKAGE_REMEDY] if scene.gas.name.lower() == "air" else []),
+            *([PACKAGE_REMEDY] if scene.gas.is_air else []),
         ]
     return Sheet(
         heading=heading,

@@ -9,7 +9,6 @@ from functools import partial
 from typing import Any
 
 from screwsim.build import package_of
-from screwsim.effects.air_package import AIR
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.customary import RPM, with_printed_units
@@ -46,7 +45,7 @@ NO_VERDICT = "10 CFR 431.345 is not applied to two stages, and zero flow is not 
 
 def is_air_package(chain: StageChain) -> bool:
     """Return whether two stages compress air, and both state a motor."""
-    return chain.first.gas.name.lower() == AIR and all(map(motor_of, chain.by_stage.values()))
+    return chain.first.gas.is_air and all(map(motor_of, chain.by_stage.values()))
 
 
 def air_stages_sheet(

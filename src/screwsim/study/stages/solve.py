@@ -19,9 +19,10 @@ from screwsim.fluid.models import condenses
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.customary import in_bar, in_celsius
-from screwsim.scene import Scene, cross_check, lines, scene_text, with_values, without_sweep
+from screwsim.scene import Scene, cross_check, lines, with_values, without_sweep
 from screwsim.scene.types import ActiveEffect, parameters_of_type
 from screwsim.simulate import simulate_next
+from screwsim.study.asked.varied import with_text
 from screwsim.study.stages.axes import SOLVED, STAGE_NAMES, UNLOADED_STAGE
 from screwsim.study.stages.figures import ChainEnds, StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.result import ChainResult, chain_errors, delivery_temperature_figure, idle_cooler
@@ -54,7 +55,7 @@ def _set_lines(scene: Scene, which: str, p_s: float, state: tuple[str, float], p
     faults = cross_check(changed)
     if faults:
         raise Stop("failed", f"the {which} stage, {p_s / 1e5:.4g} to {p_d / 1e5:.4g} bar: {faults[0]}")
-    return replace(changed, text=scene_text(changed))
+    return with_text(changed)
 
 
 def _with_lines(scene: Scene, p_s: float, state: tuple[str, float], p_d: float) -> Scene:
@@ -73,7 +74,7 @@ def _with_separator(scene: Scene) -> Scene:
     effect = catalogue()[name]
     parted = replace(scene, effects={**scene.effects, name: ActiveEffect(effect, effect.parameters())})
     stated = parameters_of_type(scene.effects, InSeparator)  # a file cannot state both
-    return parted if stated else replace(parted, text=scene_text(parted))
+    return parted if stated else with_text(parted)
 
 
 class ChainSolver(ChainEnds):
