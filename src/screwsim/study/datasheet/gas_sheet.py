@@ -21,7 +21,7 @@ from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.columns import PERCENT, Column, decimals_of, measured, temperatures
 from screwsim.study.datasheet.rated import Axis, SceneRating, SceneRequest, pressure_ratio
-from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
+from screwsim.study.datasheet.sheet import Drawing, Sheet, Table, disclaimer
 from screwsim.study.datasheet.tables import DUTY
 from screwsim.study.datasheet.units import METRIC, Standard, Units
 from screwsim.study.part_load import CONTROL_ENDS, GAS, RATIO_PATH, SPEED_PATH, controls, ratios
@@ -36,7 +36,7 @@ DOCUMENT_FIGURES = (
 )  # fmt: skip
 PACKAGE_REMEDY = "a package with filter, cooler and fan is rated by ISO 1217 (name effects.air_package)"
 WITHOUT_WATER = ", without the water of humid air"
-DISCLAIMER = "computed, not measured: no tolerance of ISO 1217 applies, and no third party verified it"
+DISCLAIMER = disclaimer("ISO 1217")
 PRESSURE_SHARES = (0.8, 0.9, 1.0, 1.1, 1.2)  # of a compressor's own pressures
 SPEED_SHARES = (0.4, 0.6, 0.8, 1.0, 1.2)  # of an expander's own speed
 OUTLET_SHARES = (0.7, 0.85, 1.0, 1.2, 1.4)  # of its outlet pressure

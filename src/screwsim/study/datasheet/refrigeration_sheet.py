@@ -20,7 +20,7 @@ from screwsim.study.datasheet import tables
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
 from screwsim.study.datasheet.columns import Column, measured, temperatures
 from screwsim.study.datasheet.rated import Axis, Rating, RatingRequest, SceneRating, SceneRequest
-from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
+from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, disclaimer
 from screwsim.study.datasheet.tables import DUTY
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.part_load import CONTROL_ENDS, RATIO_PATH, REFRIGERATION, controls, ratios
@@ -43,7 +43,7 @@ DOCUMENT_FIGURES = (
     "separator_temperature", ECONOMIZER_FLOW, ECONOMIZER_T, ECONOMIZER_P, ECONOMIZER_GAIN, *LIFE_FIGURES,
 )  # fmt: skip
 PEAK_FIGURES = DISCHARGE, "discharge_pressure", "shaft_power"
-DISCLAIMER = "computed, not measured: no tolerance of EN 12900 or AHRI 540 applies, and no third party verified it"
+DISCLAIMER = disclaimer("EN 12900 or AHRI 540")
 
 
 def refrigeration_sheet(rated: SceneRating, heating: bool = False) -> Sheet:
