@@ -21,7 +21,7 @@ from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D,
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.simulate import simulate_many
 from screwsim.study.asked.goals import Bound
-from screwsim.study.asked.inputs import ends_of, read_text, shown_range, shown_value
+from screwsim.study.asked.inputs import ends_of, read_text, refuse_empty_range, shown_value
 from screwsim.study.datasheet.bounds import EnvelopeRange, envelope, motor_of
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.part_load import GAS, LOADS, REFRIGERATION, SPEED_PATH, Control, LoadFigures, PartLoad, part_load
@@ -218,9 +218,7 @@ def read_range(base: Scene, path: str, text: str, option: str, example: str) -> 
         first, last = (read_text(base, path, end) for end in both)
     except UsageError as fault:
         raise UsageError(f"{option} {text}: {str(fault).removeprefix(path).removeprefix(': ')}") from None
-    if not first < last:
-        shown = shown_range(base, path, first, last)
-        raise UsageError(f"{option} {text}: the range {shown} is empty (LOW must be below HIGH)")
+    refuse_empty_range(base, path, first, last, f"{option} {text}")
     return first, last
 
 
