@@ -129,6 +129,12 @@ def _check_writable(output: Path) -> None:
     check_writable(output)
 
 
+def check_new(output: Path) -> None:
+    """Raise UsageError where a file exists already: a scene is never overwritten."""
+    if output.exists():
+        raise UsageError(f"-o {output}: already exists and is not overwritten (choose another name, or remove it)")
+
+
 def check_target(output: Path | None, *endings: str) -> None:
     """Raise UsageError unless the file name has one of the endings, and can be written."""
     if output is None:
