@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from screwsim.effects.base import Around, Resistance
+from screwsim.effects.parts.oil import oil_in_chambers
 from screwsim.fluid import gap_flow
 from screwsim.fluid.transport import viscosity as vapour_viscosity
 from screwsim.inputs.faults import Fault, UsageError
@@ -72,6 +73,11 @@ MODELS = {
     "nozzle_friction": FlowModel(_friction, "friction_fit", "radial"),
     "oil_sealed": FlowModel(_sealed, "mixture_viscosity", "cicchitti", oil=True),
     "oil_film": FlowModel(_film, "filled_from", "0.2", gas=False, oil=True, walls=True),
+}
+
+HOLES: Mapping[str, Resistance | None] = {  # of an opening without depth: of the gas alone, or with its oil (M192)
+    NOZZLE: None,
+    "homogeneous": Resistance(gap_flow.homogeneous, {}, "gas and oil as one fluid (M192)"),
 }
 
 
@@ -138,14 +144,15 @@ def viscosity_faults(path: str, parameters: Any, facts: Any) -> Iterator[Fault]:
             yield Fault(f"{path}.gas_viscosity", f"is missing: {error} (state it, e.g. gas_viscosity: 0.012 mPa s)")
 
 
-def oil_faults(path: str, model: str, facts: Any) -> Iterator[Fault]:
-    """Yield what a flow model that needs oil lacks."""
+def oil_faults(path: str, model: str, facts: Any, *, viscous: bool = True) -> Iterator[Fault]:
+    """Yield what a flow model that needs oil lacks; `viscous`: it needs the oil's viscosity."""
     if facts.oil is None:
-        yield Fault(f"{path}.model", f"{model} needs oil (write an oil section, or choose nozzle_friction)")
+        other = "nozzle_friction" if viscous else NOZZLE
+        yield Fault(f"{path}.model", f"{model} needs oil (write an oil section, or choose {other})")
         return
     if not facts.oil.carried:
         yield Fault(f"{path}.model", f"{model} needs oil.transport: carried (write that, or choose another model)")
-    if not any("T_oil" in active.effect.states for active in facts.effects.values()):
+    if not oil_in_chambers(facts.effects):
         yield Fault(f"{path}.model", f"{model} needs oil in the chambers (add e.g. effects.oil_heat)")
-    if not facts.oil.knows_viscosity:
+    if viscous and not facts.oil.knows_viscosity:
         yield Fault("oil.viscosity", f"is missing ({path}.model: {model} needs it, or oil.name)")
