@@ -60,7 +60,7 @@ def heat_flowing_back(problem: Problem, streams: Array, T_oil: float) -> float:
     if oil is not None and problem.composition.carried:
         T = T_oil + problem.oil_pressure_term(problem.lines.p_s)
         heat -= oil.heat_capacity * float(out[slots.OF_OIL_HEAT] - T * out[slots.OF_OIL])
-    return heat * problem.rate
+    return heat * problem.rate + 0.0  # turns −0 into 0
 
 
 def walls_of(c: Composition, q: Array) -> Array:
