@@ -11,6 +11,7 @@ from screwsim.figures.engineering import shown_name
 from screwsim.fluid.composition import is_blend
 from screwsim.outputs.customary import with_printed_units
 from screwsim.scene import Scene, value_at
+from screwsim.scene.conventions import other_convention
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
@@ -54,7 +55,7 @@ def refrigeration_sheet(rated: SceneRating, heating: bool = False) -> Sheet:
         title=with_printed_units(scene.title),
         lines=list(_lines(rated, heating)),
         tables=list(tables_of(rated, heating)),
-        notes=list(tables.notes_of(rated, own_point(rated.asked), DISCLAIMER)),
+        notes=[*convention_notes(rated.asked), *tables.notes_of(rated, own_point(rated.asked), DISCLAIMER)],
         drawings=list(_drawings(rated)),
         document={
             "kind": "refrigeration",
@@ -99,7 +100,17 @@ def refrigerant_line(asked: RatingRequest) -> tuple[str, str]:
     superheat, subcooling = (asked.units.difference(each or 0.0) for each in (cold.superheat, hot.subcooling))
     suction = f"superheat {superheat}" if quality is None else f"suction quality {quality:.4g}"
     below = f", subcooling {subcooling}" if hot.gas_cooler is None else ""
-    return "refrigerant", f"{name}, {suction}{below}{'; temperatures are dew points' if is_blend(name) else ''}"
+    points = "; temperatures are dew points" if is_blend(name) else ""
+    points = "; condensing temperatures are bubble points" if convention_notes(asked) else points
+    return "refrigerant", f"{name}, {suction}{below}{points}"
+
+
+def convention_notes(asked: RatingRequest) -> list[str]:
+    """Return that the condensing temperatures are not those of EN 12900 and AHRI 540; nothing where they are."""
+    hot = asked.scenes[-1]
+    T = hot.operation.condensing_temperature
+    other = "" if T is None else other_convention(hot.gas.name, T)
+    return [other] if other else []
 
 
 def heating_line(rated: Rating[Any]) -> tuple[str, str]:
