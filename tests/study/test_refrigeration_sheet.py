@@ -77,6 +77,24 @@ def test_a_sheet_says_which_points_its_temperatures_are(fluid, points):
     assert [" 4.7 K above the bubble point" in note for note in notes] == ([True] if fluid == "R407C" else [])
 
 
+@pytest.mark.parametrize(
+    ("suction", "told"),
+    [
+        ({"pressure": "3 bar", "temperature": "20 degC"}, "suction gas of 20 °C"),
+        ({"pressure": "3 bar", "superheat": "7 K"}, "superheat 7 K"),
+    ],
+)
+def test_a_first_stage_that_states_its_suction_pressure_has_the_superheat_that_it_states(suction, told):
+    """The second one states its condensing temperature, so that both have a sheet of refrigeration."""
+    lines = {"evaporating_temperature": None, "condensing_temperature": None, "superheat": None}
+    lines |= {"suction": suction, "discharge": {"pressure": "8 bar"}}
+    machine = screwsim.load(CONFIGS / "r134a" / "point.yaml")
+    asked = rating_request(machine, *RANGES, {})
+    first = machine.with_({f"operation.{key}": value for key, value in lines.items()})
+    both = replace(asked, scenes=(first, machine))
+    assert refrigerant_line(both) == ("refrigerant", f"R134a, {told}, subcooling 0 K")
+
+
 def test_the_tables_are_those_of_the_trade(sheet):
     titles = [table.title.split(" [")[0] for table in sheet.tables]
     assert titles[:6] == [

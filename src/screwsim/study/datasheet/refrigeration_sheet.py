@@ -96,10 +96,12 @@ def _economizer_line(rated: SceneRating, found: Mapping[str, Any]) -> Iterator[t
 def refrigerant_line(asked: RatingRequest) -> tuple[str, str]:
     """Return the refrigerant, its state at the inlet, and its subcooling behind the last machine."""
     cold, hot, name = asked.scenes[0].operation, asked.scenes[-1].operation, asked.scenes[0].gas.name
-    quality = cold.suction.quality
-    superheat, subcooling = (asked.units.difference(each or 0.0) for each in (cold.superheat, hot.subcooling))
-    suction = f"superheat {superheat}" if quality is None else f"suction quality {quality:.4g}"
-    below = f", subcooling {subcooling}" if hot.gas_cooler is None else ""
+    quality, T = cold.suction.quality, cold.suction.temperature
+    superheat = cold.superheat if cold.suction.superheat is None else cold.suction.superheat
+    suction = f"superheat {asked.units.difference(superheat or 0.0)}"
+    if quality is not None or T is not None:
+        suction = f"suction gas of {asked.units.degrees(T)}" if T is not None else f"suction quality {quality:.4g}"
+    below = f", subcooling {asked.units.difference(hot.subcooling or 0.0)}" if hot.gas_cooler is None else ""
     points = "; temperatures are dew points" if is_blend(name) else ""
     points = "; condensing temperatures are bubble points" if convention_notes(asked) else points
     return "refrigerant", f"{name}, {suction}{below}{points}"
