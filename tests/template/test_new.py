@@ -50,6 +50,15 @@ def test_two_phases_are_followed_but_of_a_mixture_described_as_if_pure(fluid, fo
     assert scene.gas.equilibrium == followed
 
 
+@pytest.mark.parametrize("kind", ["refrigeration", "heat_pump", "reciprocating"])
+def test_the_condensing_temperature_of_a_mixture_described_as_if_pure_is_told_to_be_its_bubble_point(kind):
+    told = "# bubble point; of fluid: R407C.mix it is the dew point, as on makers' sheets"
+    assert [told in new_scene(kind, request_of(fluid=each)) for each in ("R407C", "R404A", "R134a")] == [
+        True,
+        *[False] * 2,
+    ]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("flow", [100, 374, 1500, 3000])
 def test_refrigeration_machines_of_every_size_lie_about_the_mean_curves(flow):

@@ -2,8 +2,15 @@
 
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
+from screwsim.scene.types import Scene
 
 GLIDES = 0.1  # [K] distance of dew and bubble point in the condenser above which it is told
+
+
+def of_scene(scene: Scene) -> str:
+    """Return that a scene's condensing temperature is not the standards'; empty where it is, or states none."""
+    T = scene.operation.condensing_temperature
+    return "" if T is None else other_convention(scene.gas.name, T)
 
 
 def other_convention(fluid: str, T: float, what: str = "the condensing temperature") -> str:

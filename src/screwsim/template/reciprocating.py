@@ -146,7 +146,7 @@ def _text(
     rated = sizes.motor_for(max(lossless / ESTIMATED_EFFICIENCY, (lossless + lost) / BESIDE_VALVES))
     T_s = duty.T_e + duty.more
     values = {
-        **_warm_side(duty, cooled),
+        **_warm_side(duty, fluid, cooled),
         "known": of.known,
         "evidence": of.evidence,
         "fluid": fluid,
@@ -197,11 +197,11 @@ def _reed(side: str, valve: valves.Valve, piston: float, speed: float) -> str:
     return "".join(f"    {side}_{name}: {value}    # {told}\n" for name, value, told in entries)
 
 
-def _warm_side(duty: Duty, cooled: bool) -> dict[str, str]:
+def _warm_side(duty: Duty, fluid: str, cooled: bool) -> dict[str, str]:
     """Return the temperatures of a duty and its lines: of a condenser, or of a gas cooler."""
-    told = conditions(duty)
+    told = conditions(duty, fluid)
     if not cooled:
-        lines = ("condensing_temperature: {condensing}", "superheat: {superheat}", "subcooling: {subcooling}")
+        lines = ("condensing_temperature: {condensing}{point}", "superheat: {superheat}", "subcooling: {subcooling}")
     else:
         pressure = f"{1e-5 * duty.p_d:.1f} bar"
         told["condition"] = f"{told['evaporating']}, gas cooler {pressure}/{told['condensing']}"

@@ -10,8 +10,7 @@ from typing import Any
 from screwsim.figures.engineering import shown_name
 from screwsim.fluid.composition import is_blend
 from screwsim.outputs.customary import with_printed_units
-from screwsim.scene import Scene, value_at
-from screwsim.scene.conventions import other_convention
+from screwsim.scene import Scene, conventions, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
@@ -109,9 +108,7 @@ def refrigerant_line(asked: RatingRequest) -> tuple[str, str]:
 
 def convention_notes(asked: RatingRequest) -> list[str]:
     """Return that the condensing temperatures are not those of EN 12900 and AHRI 540; nothing where they are."""
-    hot = asked.scenes[-1]
-    T = hot.operation.condensing_temperature
-    other = "" if T is None else other_convention(hot.gas.name, T)
+    other = conventions.of_scene(asked.scenes[-1])
     return [other] if other else []
 
 
