@@ -170,12 +170,12 @@ def _text(
 
 
 def _drive(fluid: str, efficiency: str) -> dict[str, str]:
-    """Return the efficiency of the motor, what cools it, and where its heat goes."""
+    """Return the efficiency of the motor, and what cools it."""
     if not duties.motor_in_gas(fluid):
         told = "Open drive, as the gas attacks copper"
-        return {"efficiency": efficiency, "stands": told, "backflow": ""}
+        return {"efficiency": efficiency, "stands": told}
     told = "Semi-hermetic: the suction gas cools the motor"
-    return {"efficiency": f"{efficiency}, cooling: suction_gas", "stands": told, "backflow": "  suction_line: {}\n"}
+    return {"efficiency": f"{efficiency}, cooling: suction_gas", "stands": told}
 
 
 def _reed(side: str, valve: valves.Valve, piston: float, speed: float) -> str:
