@@ -1,10 +1,11 @@
 """What the valves of `screwsim new reciprocating` cost: losses, backflow and closing over gases, speeds and sizes.
 
-python docs/tools/new_valves.py      the tables of docs/reference/slider-crank.md (S36, S37)
+python docs/tools/new_valves.py      the tables of docs/reference/slider-crank.md (S36, S37, S38)
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 
 import numpy as np
@@ -29,6 +30,9 @@ CASES: tuple[Mapping[str, object], ...] = (
     {"condition": "5/30 degC, 10 K", "speed": "3550 rpm"},
     {"fluid": "R1233zd(E)"},
 )
+STARVED = "-10/40 degC, 20 K"  # of the R404A cylinder that is then put to other states
+STATES = ((-20.0, 30.0), (-30.0, 40.0))  # °C
+HEAVIER = (1.0, 2.0, 3.0)
 VARIED: Mapping[str, object] = {"fluid": "R404A", "condition": "0/40 degC, 18.3 K", "speed": "1750 rpm"}
 SPRINGS, FREQUENCIES = (1.0, 1.0 / 3.0, 3.0), (0.6, 1.6)  # over those of the rule
 HEAD = ("λ %", "η_s %", "loss %", "backflow %", "shuts °")
@@ -46,6 +50,24 @@ def varied(scene: Scene, spring: float, frequency: float) -> Scene:
     names = [(side, name) for side in ("suction", "discharge") for name in factors]
     values = {f"effects.reed_valves.{side}_{name}": own[f"{side}_{name}"] * factors[name] for side, name in names}
     return with_values(scene, values)
+
+
+def at_state(scene: Scene, state: tuple[float, float], heavier: float) -> Scene:
+    """Return a scene at two saturation temperatures [degC], with a discharge reed of so many times its mass."""
+    mass = "discharge_mass"
+    values = {f"effects.reed_valves.{mass}": heavier * getattr(scene.effects["reed_valves"].parameters, mass)}
+    names = (f"operation.{name}_temperature" for name in ("evaporating", "condensing"))
+    return with_values(scene, values | {name: T + 273.15 for name, T in zip(names, state, strict=True)})
+
+
+def gas_damping(scene: Scene, side: str) -> float:
+    """Return the damping ratio of a reed by the gas that it displaces at its stop (S38)."""
+    own, machine = scene.effects["reed_valves"].parameters, scene.machine
+    area, stop, stiffness, mass = (
+        getattr(own, f"{side}_{name}") for name in ("port_area", "stop", "stiffness", "mass")
+    )
+    velocity = machine.swept_volume * scene.operation.speed / math.pi / area
+    return 0.25 * math.sqrt(stiffness / mass) * stop / velocity
 
 
 def backflow(result: Result, side: str) -> tuple[float, float]:
@@ -86,22 +108,31 @@ def table(first: str, rows: Iterable[tuple[str, Scene]]) -> None:
 
 
 def with_ports(stated: Mapping[str, object]) -> tuple[str, Scene]:
-    """Return a new cylinder after what was stated and the share of its ports."""
+    """Return a new cylinder after what was stated, the share of its ports and the gas's part of its damping."""
     scene = scene_of(stated)
     own, piston = scene.effects["reed_valves"].parameters, scene.machine.piston_area
     shares = (100.0 * getattr(own, f"{side}_port_area") / piston for side in ("suction", "discharge"))
-    return f"{', '.join(map(str, stated.values()))} | {', '.join(f'{each:.1f}' for each in shares)}", scene
+    gas = (gas_damping(scene, side) for side in ("suction", "discharge"))
+    told = (", ".join(f"{each:{form}}" for each in some) for some, form in ((shares, ".1f"), (gas, ".2f")))
+    return " | ".join((", ".join(map(str, stated.values())), *told)), scene
 
 
 def main() -> None:
     """Print the tables."""
-    table("cylinder | ports, % of the piston", map(with_ports, CASES))
+    table("cylinder | ports, % of the piston | ζ_g", map(with_ports, CASES))
+    starved = scene_of({"fluid": "R404A", "condition": STARVED})
+    states = ((state, times) for state in STATES for times in HEAVIER)
+    rows = (("{:g}/{:g} | {:g}".format(*state, times), at_state(starved, state, times)) for state, times in states)
+    table("R404A, °C | mass of the discharge reed", rows)
     known = scene_of(VARIED)
     each_way = [(spring, 1.0) for spring in SPRINGS] + [(1.0, each) for each in FREQUENCIES]
     rows = ((f"{spring:.2f} | {times:g}", varied(known, spring, times)) for spring, times in each_way)
     table("spring | natural frequency", rows)
     valves.MACH *= 2.0
-    table("at a/10 | ports, % of the piston", map(with_ports, ({"fluid": gas, "condition": at} for gas, at in GASES)))
+    table(
+        "at a/10 | ports, % of the piston | ζ_g",
+        map(with_ports, ({"fluid": gas, "condition": at} for gas, at in GASES)),
+    )
 
 
 if __name__ == "__main__":

@@ -62,11 +62,11 @@ def test_at_its_stop_the_spring_is_as_strong_as_the_gas_at_its_mean_velocity(pis
     assert found.stiffness * found.stop / found.area == pytest.approx(0.5 * density * jet**2)
 
 
-def test_a_reed_swings_six_and_a_half_times_a_turn_and_is_a_scaled_cantilever():
+def test_a_reed_swings_ten_times_a_turn_and_is_a_scaled_cantilever():
     """k ∝ E b h³/l³ and m ∝ ρ b h l: two ways to the thickness over the known reed's agree."""
     found = valves.valve(PISTON, 4.0, SPEED, **GAS)
     frequency = math.sqrt(found.stiffness / found.mass) / (2.0 * math.pi)
-    assert frequency == pytest.approx(6.5 * SPEED / (2.0 * math.pi)) == found.frequency
+    assert frequency == pytest.approx(10.0 * SPEED / (2.0 * math.pi)) == found.frequency
     scale, ports = found.bore / valves.PORT, found.area / (0.25 * math.pi * found.bore**2)
     bending = valves.YOUNG * valves.WIDTH * valves.THICKNESS**3 / 12.0
     known = 6.0 * bending / (valves.ARM**2 * (3.0 * valves.LENGTH - valves.ARM))
@@ -85,13 +85,13 @@ def test_the_known_reed_is_a_third_as_strong_as_its_gas_at_the_mean_velocity():
     velocity = 2.0 * 0.02 * 60.0 * (0.02 / valves.PORT) ** 2
     gas = 0.5 * 33.1 * (velocity / (valves.FLOW_COEFFICIENT * valves.FULLY_OPEN)) ** 2
     assert valves._spring() / gas == pytest.approx(1.0 / 3.0, rel=0.03)
-    assert frequency / 60.0 == pytest.approx(valves.FREQUENCIES, rel=0.01)
+    assert frequency / 60.0 == pytest.approx(6.5, rel=0.01)
 
 
 def test_a_small_valve_of_dense_gas_has_one_port_and_a_faster_reed():
     found = valves.valve(7e-4, 1.2, SPEED, pressure=90e5, k=1.25, sound=290.0)
     assert found.area == pytest.approx(0.25 * math.pi * found.bore**2)
-    assert found.frequency > 6.5 * SPEED / (2.0 * math.pi)
+    assert found.frequency > 10.0 * SPEED / (2.0 * math.pi)
 
 
 @pytest.mark.parametrize("stated", GASES, ids=lambda stated: "-".join(stated.values()).replace(" ", ""))
@@ -110,10 +110,10 @@ def test_reeds_open_once_and_shut_before_much_flows_back(stated):
 @pytest.mark.parametrize(
     ("condition", "side", "mass", "told"),
     [
-        (("-30 degC", "40 degC"), "discharge", 1.0, True),  # it shuts after the dead centre
+        (("-30 degC", "40 degC"), "discharge", 3.0, True),  # it shuts after the dead centre
         (("-20 degC", "30 degC"), "discharge", 1.0, False),
-        (("-30 degC", "40 degC"), "discharge", 0.5, False),
-        (("-10 degC", "40 degC"), "suction", 25.0, True),
+        (("-30 degC", "40 degC"), "discharge", 1.0, False),
+        (("-10 degC", "40 degC"), "suction", 60.0, True),
     ],
 )
 def test_a_reed_through_which_much_flows_back_is_told_with_how_much(condition, side, mass, told):
@@ -127,6 +127,26 @@ def test_a_reed_through_which_much_flows_back_is_told_with_how_much(condition, s
     assert result.status == "ok" and bool(said) is told is (back > 0.05)
     if told:
         assert 1e-2 * float(said[0].partition("%")[0]) == pytest.approx(back, abs=0.01)  # in whole percent
+
+
+@pytest.mark.parametrize("stated", [GASES[1], GASES[3], {}], ids=["ammonia", "60 m^3/h", "R134a"])
+def test_the_gas_that_a_reed_displaces_damps_it_less_than_is_written(stated):
+    """S38 by a small step of the flow itself: port and curtain in series, the reed sweeping its port's area between."""
+    scene = new_valves.scene_of(stated)
+    own, rest = scene.effects["reed_valves"].parameters, scene.machine.swept_volume * scene.operation.speed / math.pi
+    for side in ("suction", "discharge"):
+        area, stop, stiffness, mass = (
+            getattr(own, f"{side}_{name}") for name in ("port_area", "stop", "stiffness", "mass")
+        )
+        drop = stiffness * stop / area  # over port and curtain, of which the curtain's presses on the reed
+        swept, one = 1e-6 * rest, 0.5 * drop / rest**2  # of the flow; of each, over its flow squared
+        # port + curtain: q² + (q - swept)² = 2 rest²
+        port = 0.5 * (swept + math.sqrt(4.0 * rest**2 - swept**2))
+        force = area * one * (rest**2 - (port - swept) ** 2)
+        expected = force / (swept / area) / (2.0 * math.sqrt(stiffness * mass))
+        found = new_valves.gas_damping(scene, side)
+        assert found == pytest.approx(expected, rel=1e-4)
+        assert 0.01 < found < own.damping_ratio == valves.DAMPING_RATIO
 
 
 def test_valves_cost_little_where_the_head_has_room_and_more_where_it_has_none():

@@ -74,6 +74,17 @@ def test_the_clearance_of_new_cylinders_is_the_one_that_the_other_machines_call_
     assert less > 1.0 > abs(written) and more < -1.0
 
 
+def test_lambda_of_new_cylinders_differs_by_as_much_at_all_speeds():
+    """Reeds of 6.5 times the shaft's frequency shut late at single speeds; 4CE-6.F1 has no part in what is written."""
+    new = sibling(VARISPEED / "new.py")
+    written = new.spreads(new.every())
+    with new.reeds(6.5, 0.1):
+        before = new.spreads(new.every())
+    for model, spread in written.items():
+        assert spread < (1.0 if model in new.others() else 2.0)
+        assert before[model] > 3.0 > spread
+
+
 def test_one_point_outside_fails_whatever_the_mean(rated, row, compare_of):
     compare = compare_of("hsk")
     one = rated.rating(row)
