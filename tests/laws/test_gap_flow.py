@@ -70,6 +70,19 @@ def test_a_gap_that_keeps_the_nozzle_keeps_its_text():
     assert "gap_share" not in one.text
 
 
+@each_row("ratio", [0.5, 3.0])
+def test_oil_in_the_blow_hole_slows_the_gas_by_its_inertia(ratio):
+    """M192 without depth: where oil takes no room, the gas flow is that of an area S/√(1 + x), x the chamber's oil."""
+    alike = {**CARRIED, "oil_supply.ratio": ratio, "effects.suction_line": {}, "oil_supply.kind": "pump"}
+    mixed = run({**alike, "effects.blow_hole.model": "homogeneous"})
+    smaller = run({**alike, "effects.blow_hole.flow_coefficient": 0.7 / (1.0 + ratio) ** 0.5})
+    plain = run(alike)
+    for name in FIGURES:
+        # x differs from d by what leaks bring along
+        moved = abs(smaller.performance[name] - plain.performance[name])
+        assert abs(mixed.performance[name] - smaller.performance[name]) < 0.1 * moved, name
+
+
 def test_explain_names_the_model_of_each_gap():
     text = " ".join(str(explain(make(HELD_GAPS))).split())
     assert "mixture of gas and oil, viscosity by cicchitti (M192, M193)" in text
@@ -84,7 +97,8 @@ def test_explain_names_the_model_of_each_gap():
         ({"effects.tip_leakage.model": "nozzle_friction"}, "effects.tip_leakage.passage: is missing"),
         ({**HELD_GAPS, "effects.tip_leakage.friction_fit": "radial"}, "has no meaning with model: oil_sealed"),
         ({**HELD_GAPS, "oil.transport": "paper"}, "oil_sealed needs oil.transport: carried"),
-        ({"effects.blow_hole.model": "nozzle"}, "effects.blow_hole.model: is not known"),
+        ({"effects.blow_hole.model": "oil_sealed"}, "is not an option (choose from: nozzle, homogeneous)"),
+        ({"effects.blow_hole.model": "homogeneous"}, "homogeneous needs oil.transport: carried"),
     ],
 )
 def test_what_does_not_go_together_is_said(changes, words):

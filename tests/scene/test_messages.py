@@ -139,7 +139,7 @@ def test_a_typical_mistake_gives_its_one_line(example, old, new, line):
 
 
 LINE = "(write NAME: value, with a space after the colon and indented like its neighbours; also check the line above)"
-BLOW_HOLE = "flow_coefficient, area_file, area, opens, closes, suction_area, suction_closes"
+BLOW_HOLE = "flow_coefficient, area_file, area, opens, closes, suction_area, suction_closes, model"
 UNDER = f"under it: {BLOW_HOLE}; or blow_hole: off to leave it out)"
 NEWCOMERS = [
     # ---- YAML ----

@@ -63,6 +63,8 @@ def variants(here: Path, behind: float) -> Iterator[Variant]:
     yield Variant("shafts leak as a nozzle (M274)", shafts, note="21.6 mm²: 9.6 mm² of the fit times 1.5²")
     yield Variant("the same, not made larger", [nozzle(AREA)], note="9.6 mm²")
     yield Variant("gaps dry", DRY, note="nozzles without oil (M12); shafts stay sealed")
+    hole = ["effects.blow_hole.model=homogeneous"]
+    yield Variant("gas and oil through blow-holes at one speed", hole, note="M192; gas alone in machine.yaml (M21)")
     yield Variant("clearances grow as tolerances do", as_tolerances(), note="ISO 286: gaps 1.17, shafts 1.16 times")
     yield Variant("oil at the suction's closing, all at once", [NO_PORT], note="M30, no port")
     yield Variant("oil in proportion to the gas", [PUMP], note="a pump, d = 4 at every speed")

@@ -12,6 +12,7 @@ from screwsim.simulate import simulate
 from screwsim.study.validation import NotRun, Row, read_table
 
 SHAFTS, NOZZLE = "effects.shaft_leakage", 9.6e-6  # m² at 160 mm, of the fit to the mean curves
+HOLE = "effects.blow_hole"
 SEALED = ("shaft_diameter", "clearance", "mixture_viscosity", "passage")
 GAPS = tuple(f"effects.{name}.gap" for name in ("tip_leakage", "interlobe_leakage", "end_face_leakage"))
 FITTED_GAP = 26e-6  # m at 160 mm
@@ -54,6 +55,7 @@ def nozzle(built: Built, flow: str) -> Scene:
 CHOICES: Mapping[str, Callable[[Built, str], Scene]] = {
     "as written": lambda built, flow: built(flow),
     "shafts as a nozzle, 9.6 mm² at 160 mm": nozzle,
+    "gas and oil through blow-holes at one speed": lambda built, flow: built(flow, [f"{HOLE}.model=homogeneous"]),
     "clearances of the shafts times 0.8": lambda built, flow: scaled(built(flow), (f"{SHAFTS}.clearance",), 0.8),
     "gaps times 0.7": lambda built, flow: scaled(built(flow), GAPS, 0.7),
     "gaps times 0.7, friction 12 %": lambda built, flow: with_values(scaled(built(flow), GAPS, 0.7), {FRICTION: 0.12}),

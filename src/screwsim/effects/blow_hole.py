@@ -1,22 +1,25 @@
 """Blow-hole: the opening at the housing cusp between a chamber and the one behind it.
 
-What: nozzle flow through a constant area while the separating lobe crosses the cusp, M21.
+What: nozzle flow through a constant area while the separating lobe crosses the cusp, M21. With `model: homogeneous` gas
+and oil of the chamber pass as one fluid: the oil's inertia slows the gas (M192 of an opening without depth).
 Source: ours. By geometry (4/6 asymmetric profile, 300° wrap) the lobe behind a chamber crosses the cusp from about 383°
 to 683° of that chamber's angle; the area is constant between, with cubic ramps of 20° at both ends. `suction_area` adds
 the blow-hole at the suction cusp, which is still open when suction closes: the chamber that begins to compress leaks
 through it into the chamber behind, which is still filling (M263). With machine.volume.law: profile the area by angle is
 computed from the profile, at both cusps (docs/reference/rotors.md); a given `area` rescales the curve at the
 high-pressure cusp to that largest value.
-Assumptions: quasi-steady nozzle; without a profile and without suction_area the compression-side blow-hole only.
+Assumptions: quasi-steady nozzle, past which oil goes without slowing the gas, or with it at one speed; without a
+profile and without suction_area the compression-side blow-hole only.
 Parameters: area (one blow-hole), opens, closes, suction_area, suction_closes (angles of the leading chamber; these
-four not with a profile), flow_coefficient; area_file (in place of the high-pressure cusp's area, or of both curves of a
-profile).
+four not with a profile), flow_coefficient, model; area_file (in place of the high-pressure cusp's area, or of both
+curves of a profile).
 """
 
 from dataclasses import dataclass
 from math import pi
 
-from screwsim.effects.base import Effect, Faults, FlowPath
+from screwsim.effects.base import Effect, Faults, FlowPath, Resistance
+from screwsim.effects.parts import gap_flow
 from screwsim.effects.parts.gap import (
     GapParameters,
     check_defaults,
@@ -28,7 +31,7 @@ from screwsim.effects.parts.gap import (
     ramp,
 )
 from screwsim.effects.parts.usual import LEAK, Sized
-from screwsim.inputs.declare import optional, quantity
+from screwsim.inputs.declare import choice, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.profile_law import sized_holes
 from screwsim.machine.protocol import BLOW_HOLE, ROTORS, SQUARE
@@ -61,6 +64,16 @@ class Parameters(GapParameters):
         ge=TURN + SHUTTING,
         le=2.0 * TURN,
     )
+    model: str | None = choice(
+        "flow model (M190): homogeneous: gas and oil as one fluid (M192); default: nozzle, of the gas alone",
+        tuple(gap_flow.HOLES),
+        None,
+    )
+
+    @property
+    def held(self) -> Resistance | None:
+        """What the opening adds to a nozzle."""
+        return gap_flow.HOLES[self.model or gap_flow.NOZZLE]
 
 
 @kernel
@@ -78,19 +91,19 @@ def suction_side(phi, size, pitch, closes):
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
     interfaces = machine.interfaces(BLOW_HOLE)
+    held = parameters.held
     if interfaces is not None and parameters.area_file is None:
-        return profile_paths(parameters, sized_holes(interfaces, parameters.area))
+        return profile_paths(parameters, sized_holes(interfaces, parameters.area), held=held)
     opens, closes = parameters.opens, parameters.closes
     values = {"size": parameters.area or 0.0, "opens": opens, "closes": closes}
     corners = [at - machine.pitch for at in (opens, opens + RAMP, closes - RAMP, closes)]
-    paths = [gap_path(parameters, area, values, breakpoints=(), corners=corners, offset=1)]
+    paths = [gap_path(parameters, area, values, breakpoints=(), corners=corners, offset=1, held=held)]
     if interfaces is None and parameters.suction_area is not None:
         values = {"size": parameters.suction_area, "closes": parameters.suction_closes}
         shuts = parameters.suction_closes
         corners = [at - machine.pitch for at in (TURN - RAMP, TURN, shuts - SHUTTING, shuts)]
-        paths.append(
-            gap_path(parameters, suction_side, values, breakpoints=(), corners=corners, offset=1, use_table=False)
-        )
+        others = {"breakpoints": (), "corners": corners, "offset": 1, "use_table": False, "held": held}
+        paths.append(gap_path(parameters, suction_side, values, **others))
     return paths
 
 
@@ -106,6 +119,8 @@ def check(parameters: Parameters, facts) -> Faults:
     if parameters.suction_area is None and not profiled:
         what = "has no meaning without suction_area, whose end it is (state that, or remove this)"
         yield from check_unused("blow_hole", parameters, what, "suction_closes")
+    if parameters.model and parameters.held is not None:
+        yield from gap_flow.oil_faults("effects.blow_hole", parameters.model, facts, viscous=False)
     if parameters.closes - parameters.opens < 2.0 * RAMP:
         yield Fault("effects.blow_hole.closes", "must lie at least 40 deg after opens (choose a later angle)")
 
@@ -113,7 +128,7 @@ def check(parameters: Parameters, facts) -> Faults:
 EFFECT = Effect(
     name="blow_hole",
     title="opening at the housing cusp, to the trailing chamber",
-    equations=("M12", "M13", "M21", "M263"),
+    equations=("M12", "M13", "M21", "M192", "M263"),
     source="ours, window from the geometry of a 4/6 profile",
     parameters=Parameters,
     build=build,

@@ -67,6 +67,13 @@ def volume_share(density, oil_ratio, oil_room):
 
 
 @kernel
+def homogeneous(oil_ratio, density, oil_room):
+    """Return s: the share of the gas nozzle's flux that passes an opening without depth, with its oil (M192)."""
+    x = max(oil_ratio, 0.0)
+    return 1.0 / math.sqrt((1.0 + x) * volume_share(density, x, oil_room))
+
+
+@kernel
 def mixture_passes(flux, oil_ratio, density, gap, passage, viscosity, oil_room):
     """Return the share of the gas nozzle's flux that passes with its oil, slowed by inertia and friction (M192)."""
     x = max(oil_ratio, 0.0)

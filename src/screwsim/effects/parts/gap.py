@@ -100,11 +100,13 @@ def ramp(phi, start, full, fall, end):
     return x * x * (3.0 - 2.0 * x)
 
 
-def gap_path(parameters, area, values, *, breakpoints, offset, corners=(), use_table=True, slides=None) -> FlowPath:
+def gap_path(
+    parameters, area, values, *, breakpoints, offset, corners=(), use_table=True, slides=None, held=None
+) -> FlowPath:
     """Return the flow path of a gap between chambers `offset` pitches apart, from its area kernel or from its table.
 
     `corners` [rad] are those of a built-in area's slope. `slides` is the speed of the housing past the gap over the tip
-    speed; None where no wall slides (M256).
+    speed; None where no wall slides (M256). `held` is the resistance of an opening that is no clearance.
     """
     tables = {}
     if use_table and parameters.area_file is not None:
@@ -113,27 +115,28 @@ def gap_path(parameters, area, values, *, breakpoints, offset, corners=(), use_t
         corners = ()
         tables = {"curve": (angles, areas)}
     ends = {"breakpoints": breakpoints, "corners": corners}
-    return _between(parameters, area, values, slides, offset=offset, tables=tables, **ends)
+    return _between(parameters, area, values, slides, held, offset=offset, tables=tables, **ends)
 
 
-def _between(parameters, area, values, slides, **others) -> FlowPath:
+def _between(parameters, area, values, slides, held, **others) -> FlowPath:
     """Return a path between chambers with the gap's flow coefficient and flow model."""
-    held = gap_flow.resistance(parameters, slides) if isinstance(parameters, ClearanceParameters) else None
+    if isinstance(parameters, ClearanceParameters):
+        held = gap_flow.resistance(parameters, slides)
     coefficient = parameters.flow_coefficient
     return FlowPath(NEIGHBOUR, area, values, flow_coefficient=coefficient, resistance=held, **others)
 
 
-def profile_paths(parameters, interfaces, gap=None, slides=None) -> list[FlowPath]:
+def profile_paths(parameters, interfaces, gap=None, slides=None, held=None) -> list[FlowPath]:
     """Return a gap's flow paths from the rotor profile: clearance [m] times length, or area (gap None).
 
-    `slides` is as for `gap_path`, and applies to the gaps across a lobe.
+    `slides` and `held` are as for `gap_path`; `slides` applies to the gaps across a lobe.
     """
     area, values = (table_area, {}) if gap is None else (length_area, {"gap": gap})
     found = []
     for each in interfaces:
         tables = {"curve": each.table.curve}
         own, over = {"own_breakpoints": each.table.breakpoints}, slides if each.offset == 1 else None
-        found.append(_between(parameters, area, values, over, offset=each.offset, tables=tables, **own))
+        found.append(_between(parameters, area, values, over, held, offset=each.offset, tables=tables, **own))
     return found
 
 

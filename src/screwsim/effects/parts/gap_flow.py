@@ -74,6 +74,11 @@ MODELS = {
     "oil_film": FlowModel(_film, "filled_from", "0.2", gas=False, oil=True, walls=True),
 }
 
+HOLES: Mapping[str, Resistance | None] = {  # of an opening without depth: of the gas alone, or with its oil (M192)
+    NOZZLE: None,
+    "homogeneous": Resistance(gap_flow.homogeneous, {}, "gas and oil as one fluid (M192)"),
+}
+
 
 def resistance(parameters: Any, slides: float | None = None) -> Resistance | None:
     """Return the resistance of a gap by its flow model; None for the plain nozzle.
@@ -138,14 +143,15 @@ def viscosity_faults(path: str, parameters: Any, facts: Any) -> Iterator[Fault]:
             yield Fault(f"{path}.gas_viscosity", f"is missing: {error} (state it, e.g. gas_viscosity: 0.012 mPa s)")
 
 
-def oil_faults(path: str, model: str, facts: Any) -> Iterator[Fault]:
-    """Yield what a flow model that needs oil lacks."""
+def oil_faults(path: str, model: str, facts: Any, *, viscous: bool = True) -> Iterator[Fault]:
+    """Yield what a flow model that needs oil lacks; `viscous`: it needs the oil's viscosity."""
     if facts.oil is None:
-        yield Fault(f"{path}.model", f"{model} needs oil (write an oil section, or choose nozzle_friction)")
+        other = "nozzle_friction" if viscous else NOZZLE
+        yield Fault(f"{path}.model", f"{model} needs oil (write an oil section, or choose {other})")
         return
     if not facts.oil.carried:
         yield Fault(f"{path}.model", f"{model} needs oil.transport: carried (write that, or choose another model)")
     if not any("T_oil" in active.effect.states for active in facts.effects.values()):
         yield Fault(f"{path}.model", f"{model} needs oil in the chambers (add e.g. effects.oil_heat)")
-    if not facts.oil.knows_viscosity:
+    if viscous and not facts.oil.knows_viscosity:
         yield Fault("oil.viscosity", f"is missing ({path}.model: {model} needs it, or oil.name)")
