@@ -134,7 +134,6 @@ gc.set_threshold(YOUNG, *gc.get_threshold()[1:])
 
 # workers of sweeps start afresh beside pytest-xdist's threads, and commands that tests look at from outside (apart.py):
 # from a process that has imported what they need
-sys.path.insert(0, str(Path(__file__).parent / "tools"))
 NEEDED = "screwsim.simulate", "screwsim.study.sweep.run", "screwsim.cli", "screwsim.results", "h5py", "rich.table"
 BUILT_OF = (
     "screwsim.codegen.machine",

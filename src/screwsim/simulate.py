@@ -72,7 +72,7 @@ def simulate(scene: SceneLike, trace: Trace = True) -> Result:
     Without a trace the ledger is not even computed where the scene says `numerics.error: none`. Raises UsageError
     for a fluid that is not available.
     """
-    return _result(scene_of(scene), trace, None)
+    return simulate_next(None, scene_of(scene), trace)
 
 
 def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Result]:
@@ -87,13 +87,8 @@ def simulate_many(scenes: Iterable[Scene], trace: bool = True) -> Iterator[Resul
         yield simulate_next(series, scene, trace)
 
 
-def simulate_next(series: Series, scene: Scene, trace: Trace = True) -> Result:
-    """Return the result of one more scene of a series, as `simulate_many` does."""
-    return _result(scene, trace, series)
-
-
-def _result(scene: Scene, trace: Trace, series: Series | None) -> Result:
-    """Return the result of a scene.
+def simulate_next(series: Series | None, scene: Scene, trace: Trace) -> Result:
+    """Return the result of a scene: one more of a series, as `simulate_many` does, or a single one.
 
     An exception inside a user's own effect becomes a failed result that names the effect.
     """

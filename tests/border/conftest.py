@@ -1,16 +1,11 @@
-"""Fakes of results, and the command run in this process."""
+"""The command run in this process."""
 
-import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 
 from screwsim import cli
-
-HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE.parent / name) for name in ("results", "report", "hard")]
 
 
 class Answer(NamedTuple):

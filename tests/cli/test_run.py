@@ -51,6 +51,14 @@ def test_run_writes_the_base_point_only_when_asked(folder, command):
     assert "sweep" not in stored.scene_yaml
 
 
+def test_run_writes_the_base_point_of_a_sample(folder, command):
+    over = "{operation.speed: {from: 2000 rpm, to: 3000 rpm}}"
+    sample = f"sweep.sample={{kind: sobol, count: 2, seed: 1, over: {over}}}"
+    answer = command("run", "small.yaml", "--set", sample, "-o", "point.h5")
+    assert answer.code == 0, answer.err
+    assert "sweep" not in screwsim.open_results("point.h5").scene_yaml
+
+
 def test_table_is_clean_in_a_pipe(folder, command):
     answer = command("run", "small.yaml")
     assert answer.code == 0, answer.err

@@ -1,6 +1,5 @@
 """A map of the paper's machine, made once; what compiles C is left out where nothing does."""
 
-import sys
 from pathlib import Path
 
 import pytest
@@ -10,9 +9,7 @@ from screwsim.results import open_results
 from screwsim.scene import load
 from screwsim.study.sweep import run_sweep
 
-HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE))  # for `rotor_mesh`
-ROOT = HERE.parents[1]
+ROOT = Path(__file__).parents[2]
 POINT = str(ROOT / "configs" / "paper" / "point.yaml")
 RANGES = ("operation.speed=2000 rpm..4000 rpm", "operation.discharge.pressure=8 bar..14 bar")
 

@@ -2,14 +2,13 @@
 
 import csv
 import json
-import sys
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 from zipfile import ZipFile
 
 import numpy as np
 import pytest
+from scenes import scene_dict
 
 from screwsim.cli import exit_code
 from screwsim.export.en12900 import FIGURES, en12900_document
@@ -25,9 +24,6 @@ from screwsim.study.maps.performance_map import PerformanceMap, PolynomialFit, p
 from screwsim.study.stages import read_stages
 from screwsim.study.stages.result import ChainResult, figures_of_both
 from screwsim.study.sweep import stages as points
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import scene_dict
 
 pytestmark = pytest.mark.around
 

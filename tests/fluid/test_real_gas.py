@@ -6,6 +6,7 @@ import sys
 
 import numpy as np
 import pytest
+from differences import difference
 from each_row import each_row
 
 from screwsim.fluid import description, terms
@@ -88,11 +89,6 @@ STATES = [(0.8, 0.02), (0.95, 0.1), (1.05, 0.4), (1.05, 1.5), (1.2, 0.8)]  # T/T
 def reduced(fluid, T_r, rho_r):
     known = description.describe(fluid)
     return T_r * known.T_c, rho_r * known.rho_c
-
-
-def difference(f, x, step):
-    """Return df/dx by central differences of fourth order."""
-    return (8.0 * (f(x + step) - f(x - step)) - f(x + 2.0 * step) + f(x - 2.0 * step)) / (12.0 * step)
 
 
 SOME = ("R134a", "Ammonia", "CarbonDioxide", "Nitrogen", "Air", "R125")  # every kind of term

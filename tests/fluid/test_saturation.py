@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from differences import difference
 from each_row import each_row
 
 from screwsim.fluid import constants
@@ -113,10 +114,6 @@ def wet(fluid, T_r, x):
     """Return T, ρ of a mixture with vapour share x by mass."""
     T, kernels = T_r * saturation(fluid).T_c, saturation_kernels(fluid)
     return T, 1.0 / (x / kernels.vapour(T) + (1.0 - x) / kernels.liquid(T))
-
-
-def difference(f, x, step):
-    return (8.0 * (f(x + step) - f(x - step)) - f(x + 2.0 * step) + f(x - 2.0 * step)) / (12.0 * step)
 
 
 @each_row(("fluid", "T_r", "x"), DOME)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from each_row import each_row
-from scenes import DROP, make, run
+from scenes import DROP, GAS_FIGURES, make, run
 
 from screwsim import outputs
 from screwsim.cycle import coordinates, relaxation
@@ -17,14 +17,6 @@ from screwsim.simulate import simulate
 
 ACCURACY = 3e-4  # the default one
 CARRIED = {"oil.transport": "carried"}
-GAS = (
-    "gas_mass_flow",
-    "work_per_cycle",
-    "trapped_mass",
-    "peak_pressure",
-    "discharge_temperature",
-    "volumetric_efficiency",
-)
 SHUT = {"effects": {}, "oil": DROP, "oil_supply": DROP}
 
 
@@ -37,7 +29,7 @@ def test_the_least_oil_that_counts_moves_no_figure(factor, d, monkeypatch):
     monkeypatch.setattr(coordinates, "LEAST_OIL", factor * coordinates.LEAST_OIL)
     found = simulate(make(changes))
     assert found.status == usual.status == "ok"
-    for name in GAS:
+    for name in GAS_FIGURES:
         assert found.performance[name] == pytest.approx(usual.performance[name], rel=ACCURACY), name
 
 
@@ -45,7 +37,7 @@ def test_the_least_oil_that_counts_moves_no_figure(factor, d, monkeypatch):
 def test_figures_are_continuous_over_the_least_oil(transport):
     """Just below and above LEAST_OIL: d differs by 2 %, which is 2e-6 of the gas and its heat less than 1e-5."""
     below, above = (run({"oil.transport": transport, "oil_supply.ratio": d}) for d in (0.99e-4, 1.01e-4))
-    for name in GAS:
+    for name in GAS_FIGURES:
         assert below.performance[name] == pytest.approx(above.performance[name], rel=ACCURACY), name
     assert below.performance.oil_ratio == pytest.approx(0.99e-4, rel=1e-9)  # an input
     assert above.performance.oil_ratio == pytest.approx(1.01e-4, rel=1e-9)
@@ -61,7 +53,7 @@ def test_errors_of_oil_have_the_same_least_scale():
 def test_next_to_no_oil_is_as_no_oil(d):
     """The line's least ratio (1e-9) and the guess's (1e-3) leave nothing behind: gas as without oil, no oil made."""
     none, found = run({"oil_supply.ratio": 0}), run({**CARRIED, "oil_supply.ratio": d})
-    for name in GAS:  # with the paper's transport, none is as without oil heat: tests/laws
+    for name in GAS_FIGURES:  # with the paper's transport, none is as without oil heat: tests/laws
         assert found.performance[name] == pytest.approx(none.performance[name], rel=ACCURACY), name
     assert found.performance.oil_ratio == pytest.approx(d, abs=coordinates.LEAST_OIL * ACCURACY)
     assert abs(found.performance.oil_flow_ratio) <= d + coordinates.LEAST_OIL

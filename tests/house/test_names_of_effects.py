@@ -62,9 +62,7 @@ IMPORTS = {  # of what an effect's file has
     "solve/start_up.py": {"gas_torque"},
     "study/datasheet/air_rating.py": {"air_package"},
     "study/datasheet/air_sheet.py": {"air_package"},
-    "study/datasheet/stages_air.py": {"air_package"},
     "study/stages/figures.py": {"air_package"},
-    "study/stages/needs.py": {"air_package"},
     "template/gas.py": {"oil_drag"},
 }
 

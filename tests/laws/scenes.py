@@ -140,6 +140,14 @@ OF_ALL_STREAMS = {  # scenes that have every kind of stream between them
 
 
 SEEN = ("gas_mass_flow", "indicated_power", "shaft_power", "discharge_temperature", "trapped_mass", "peak_pressure")
+GAS_FIGURES = (
+    "gas_mass_flow",
+    "work_per_cycle",
+    "trapped_mass",
+    "peak_pressure",
+    "discharge_temperature",
+    "volumetric_efficiency",
+)
 
 
 def change(one: Result, other: Result, names: Sequence[str] = SEEN) -> float:

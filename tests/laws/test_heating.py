@@ -24,6 +24,12 @@ def machine(request):
     return found.performance
 
 
+def assert_heat_balance(p, lost=0.0):
+    """Check that evaporator, shaft and motor bring what condenser and oil cooler take, less what is lost [W]."""
+    brought = p.cooling_capacity + p.shaft_power + p.motor_loss - lost
+    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
+
+
 def test_the_condenser_cools_what_leaves_the_separator(machine):
     p = machine
     h_2 = PropsSI("H", "P", p.discharge_pressure, "T", p.separator_temperature, "R134a")
@@ -60,8 +66,7 @@ def test_heat_that_is_pushed_back_into_an_economizer_leaves_or_evaporates_liquid
     )
     heat = away.performance.economizer_heat_loss
     for p in (away.performance, kept.performance):
-        brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.economizer_heat_loss
-        assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
+        assert_heat_balance(p, p.economizer_heat_loss)
     assert heat > 0.01 * away.performance.shaft_power and kept.performance.economizer_heat_loss == 0.0
     assert away.performance.cooling_capacity - kept.performance.cooling_capacity == pytest.approx(heat, rel=1e-9)
     assert [f"loses {heat:.3g} W" in " ".join(one.warnings) for one in (away, kept)] == [True, False]
@@ -74,8 +79,7 @@ def test_the_balance_closes_with_an_economizer_of_an_ideal_gas(kind):
     changes = ["gas.model=ideal", port % ("backflow: evaporates", kind), "numerics.error=none"]
     p = simulate(load(CONFIGS / "r134a" / "separator.yaml", changes), trace=False).performance
     assert p.economizer_mass_flow > 0.02 * p.gas_mass_flow and 0.0 < p.economizer_draw_ratio < 1.0
-    brought = p.cooling_capacity + p.shaft_power + p.motor_loss
-    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
+    assert_heat_balance(p)
 
 
 def test_heat_that_is_pushed_back_beyond_what_the_vapour_takes_leaves_and_is_told():
@@ -85,8 +89,7 @@ def test_heat_that_is_pushed_back_beyond_what_the_vapour_takes_leaves_and_is_tol
     found = simulate(load(CONFIGS / "r134a" / "separator.yaml", [port, *kept]), trace=False)
     p = found.performance
     assert p.economizer_mass_flow > 0.0 > p.economizer_draw_ratio and p.economizer_capacity_gain == 0.0
-    brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.economizer_heat_loss
-    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
+    assert_heat_balance(p, p.economizer_heat_loss)
     assert p.economizer_heat_loss > 0.005 * p.shaft_power
     assert any(warning.endswith("(close the port earlier)") for warning in found.warnings)
 
@@ -101,8 +104,7 @@ def test_the_balance_closes_where_an_economizer_gets_more_gas_than_it_gives(back
     assert p.economizer_mass_flow < -0.01 * p.gas_mass_flow and p.economizer_capacity_gain < 0.0
     # that its heat evaporates liquid would change nothing, as none is drawn
     assert any(warning.endswith("of the shaft power (close the port earlier)") for warning in found.warnings)
-    brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.economizer_heat_loss
-    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
+    assert_heat_balance(p, p.economizer_heat_loss)
 
 
 def test_the_balance_closes_where_a_port_draws_more_vapour_than_the_liquid_gives_off():
@@ -110,8 +112,7 @@ def test_the_balance_closes_where_a_port_draws_more_vapour_than_the_liquid_gives
     port = "effects.economizer={temperature: 30 degC, opens: 400 deg, closes: 480 deg, area: 2 cm^2}"
     p = simulate(load(CONFIGS / "r134a" / "separator.yaml", [port, "numerics.error=none"]), trace=False).performance
     assert p.economizer_draw_ratio > 1.5 and p.economizer_heat_lacking > 0.1 * p.shaft_power
-    brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.economizer_heat_loss
-    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
+    assert_heat_balance(p, p.economizer_heat_loss)
 
 
 @pytest.mark.parametrize("closes", [600, 640])
@@ -125,8 +126,7 @@ def test_the_balance_closes_where_gas_is_pushed_back_into_the_liquid_line(closes
     text = "gas that chambers push back into the liquid line loses"
     told = [warning for warning in found.warnings if text in warning]
     assert len(told) == 1 and told[0].endswith("of the shaft power (close the port earlier)")
-    brought = p.cooling_capacity + p.shaft_power + p.motor_loss - p.liquid_injection_heat_loss
-    assert p.heating_capacity + p.oil_cooler_duty == pytest.approx(brought, abs=LEFT * p.shaft_power)
+    assert_heat_balance(p, p.liquid_injection_heat_loss)
 
 
 def test_an_ideal_gas_without_a_separator_gives_off_what_it_left_the_chambers_with():

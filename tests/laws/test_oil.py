@@ -4,18 +4,10 @@ from math import pi
 
 import numpy as np
 import pytest
-from scenes import DROP, run
+from scenes import DROP, GAS_FIGURES, run
 
 from screwsim.fluid.orifice import orifice_flow
 
-GAS_FIGURES = (
-    "gas_mass_flow",
-    "work_per_cycle",
-    "trapped_mass",
-    "peak_pressure",
-    "discharge_temperature",
-    "volumetric_efficiency",
-)
 DISPLACEMENT = {
     "oil_supply": {"kind": "displacement", "temperature": "293 K", "orifice_diameter": "6 mm"},
     "effects.oil_pump": DROP,

@@ -7,38 +7,19 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+from result_fakes import CYCLE as CYCLE  # beside those of this module
+from result_fakes import SCENE
 
 from screwsim.outputs import Figures, Result
 from screwsim.results import Results, open_results, save
 from screwsim.results.schema import Axis, axis_of
 from screwsim.scene import Scene, grid, loads
 
-SCENE = """\
-title: fake
-machine:
-  rotor_diameter: 128 mm
-  rotor_length: 140 mm
-  volume: {max: 500 cm^3, phi_A: 60 deg}
-  suction_port: {area: 40 cm^2, phi_B: 60 deg}
-  discharge_port: {area: 12 cm^2, opens: 600 deg, phi_C: 640 deg}
-gas: {fluid: R134a}
-oil: {density: 1000 kg/m^3, heat_capacity: 2 kJ/(kg K), viscosity: 20 mPa s}
-operation:
-  speed: 3000 rpm
-  suction: {pressure: 1.5 bar, temperature: 283 K}
-  discharge: {pressure: 12 bar}
-oil_supply: {kind: pump, ratio: 3, temperature: 293 K}
-effects:
-  suction_port:
-  discharge_port:
-  tip_leakage: {gap: 50 um}
-"""
 DISPLACED = SCENE.replace("kind: pump, ratio: 3", "kind: displacement, orifice_diameter: 3 mm")
 SPEEDS = "  operation.speed: [5000 rpm, 3000 rpm, 1000 rpm, 500 rpm, 250 rpm]\n"
 RATIOS = "  oil_supply.ratio: {from: 0.1, to: 10, count: 20, spacing: log}\n"
 PUMP = SCENE + "sweep:\n" + SPEEDS + RATIOS
 SPEED = DISPLACED + "sweep:\n  operation.speed: {from: 250 rpm, to: 6000 rpm, count: 14, spacing: log}\n"
-CYCLE = "output: {keep: cycle}\n"
 BEST_RATIO, BEST = 1.7, 0.6  # of every curve over the ratio
 
 

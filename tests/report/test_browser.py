@@ -5,20 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from report_fakes import (
-    CYCLE,
-    PUMP,
-    RATIOS,
-    SCENE,
-    SPEED,
-    design,
-    expanding,
-    file,
-    ok,
-    some_fail,
-    some_warn,
-    with_ledger,
-)
+from report_fakes import PUMP, RATIOS, SPEED, design, expanding, file, ok, some_fail, some_warn, with_ledger
+from result_fakes import CYCLE, SCENE
 from scipy.interpolate import CubicSpline
 
 from screwsim.outputs import Figures

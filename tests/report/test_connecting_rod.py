@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from inside import assert_text_inside
 
 from screwsim.machine.slider_crank.rod import FlexibleRod, bend
 from screwsim.report import slider_crank as figures
-from screwsim.report.style import journal
 
 pytestmark = pytest.mark.around
 ROD = FlexibleRod(width=9e-3, thickness=0.46e-3, flexible=23e-3, length=45.5e-3, crank_radius=1.5e-3, modulus=206e9)
@@ -15,12 +15,7 @@ BENDING = bend(ROD, ALPHA, -100.0 * np.sin(ALPHA))
 
 @pytest.mark.parametrize("name", ["stability_figure", "bending_figure"])
 def test_all_text_lies_inside_the_figure(name):
-    with journal():
-        figure = getattr(figures, name)(ROD, BENDING)
-        figure.draw_without_rendering()
-        box = figure.get_tightbbox(figure.canvas.get_renderer())  # [inch]
-    assert box.x0 >= -0.01 and box.y0 >= -0.01
-    assert box.x1 <= figure.get_figwidth() + 0.01 and box.y1 <= figure.get_figheight() + 0.01
+    assert_text_inside(lambda: getattr(figures, name)(ROD, BENDING))
 
 
 def test_all_figures_are_written(sketched, tmp_path):

@@ -3,10 +3,10 @@
 from math import radians
 
 import pytest
+from inside import assert_text_inside
 
 from screwsim.machine.drive.rubber_cord_coupling import RubberCordCoupling
 from screwsim.report import drive as figures
-from screwsim.report.style import journal
 
 pytestmark = pytest.mark.around
 COUPLING = RubberCordCoupling()
@@ -20,12 +20,7 @@ def draw(name):
 
 @pytest.mark.parametrize("name", ["cords_figure", "crossing_figure", "torque_figure"])
 def test_all_text_lies_inside_the_figure(name):
-    with journal():
-        figure = draw(name)
-        figure.draw_without_rendering()
-        box = figure.get_tightbbox(figure.canvas.get_renderer())  # [inch]
-    assert box.x0 >= -0.01 and box.y0 >= -0.01
-    assert box.x1 <= figure.get_figwidth() + 0.01 and box.y1 <= figure.get_figheight() + 0.01
+    assert_text_inside(lambda: draw(name))
 
 
 def test_all_figures_are_written(sketched, tmp_path):

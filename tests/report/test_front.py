@@ -1,14 +1,10 @@
 """Figures of an optimisation: what is drawn is what the file says is best."""
 
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.append(str(Path(__file__).parents[1] / "study"))
-
 from result_fakes import SCENE
 from seek_fakes import RPM, chiller, choosing
 

@@ -10,9 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from report_fakes import (
-    CYCLE,
     PUMP,
-    SCENE,
     SPEED,
     WARNING,
     file,
@@ -23,6 +21,7 @@ from report_fakes import (
     with_ledger,
     without_warnings,
 )
+from result_fakes import CYCLE, SCENE
 
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import UsageError

@@ -7,7 +7,8 @@ import matplotlib
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from report_fakes import PUMP, SCENE, ok
+from report_fakes import PUMP, ok
+from result_fakes import SCENE
 
 import screwsim
 from screwsim import load, plot, simulate

@@ -8,11 +8,9 @@ import numpy as np
 import pytest
 from report_fakes import (
     BEST_RATIO,
-    CYCLE,
     LEDGER,
     PUMP,
     RATIOS,
-    SCENE,
     SPEED,
     SPEEDS,
     WARNING,
@@ -28,6 +26,7 @@ from report_fakes import (
     with_ledger,
     without_warnings,
 )
+from result_fakes import CYCLE, SCENE
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result

@@ -3,12 +3,12 @@
 import math
 
 import pytest
+from inside import assert_text_inside
 
 from screwsim.machine.rotors.curves import make_curves
 from screwsim.machine.rotors.rotors import Rotors, make_rotors
 from screwsim.machine.rotors.settings import Profile
 from screwsim.report import rotors as figures
-from screwsim.report.style import journal
 
 pytestmark = pytest.mark.around
 
@@ -39,9 +39,4 @@ def draw(pair, name):
 
 @pytest.mark.parametrize("name", ["mesh_figure", "sealing_figure", "volume_figure", "areas_figure"])
 def test_all_text_lies_inside_the_figure(pair, name):
-    with journal():
-        figure = draw(pair, name)
-        figure.draw_without_rendering()
-        box = figure.get_tightbbox(figure.canvas.get_renderer())  # [inch]
-    assert box.x0 >= -0.01 and box.y0 >= -0.01
-    assert box.x1 <= figure.get_figwidth() + 0.01 and box.y1 <= figure.get_figheight() + 0.01
+    assert_text_inside(lambda: draw(pair, name))

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from inside import assert_text_inside
 
 from screwsim.machine.slider_crank.tolerance import links_of, tabulated
 from screwsim.report import slider_crank as figures
-from screwsim.report.style import journal
 
 pytestmark = pytest.mark.around
 NOMINAL = links_of(4.4, 12.0, 4.5, 0.015)
@@ -15,14 +15,8 @@ POINTS = (ALPHA, tabulated(ALPHA, NOMINAL))
 
 @pytest.mark.parametrize("name", ["functions_figure", "surface_figure", "contour_figure", "law_figure"])
 def test_all_text_lies_inside_the_figure(name):
-    with journal():
-        draw = getattr(figures, name)
-        asked = {"functions_figure": (NOMINAL, POINTS), "law_figure": (NOMINAL,)}
-        figure = draw(*asked.get(name, (ALPHA, NOMINAL)))
-        figure.draw_without_rendering()
-        box = figure.get_tightbbox(figure.canvas.get_renderer())  # [inch]
-    assert box.x0 >= -0.01 and box.y0 >= -0.01
-    assert box.x1 <= figure.get_figwidth() + 0.01 and box.y1 <= figure.get_figheight() + 0.01
+    asked = {"functions_figure": (NOMINAL, POINTS), "law_figure": (NOMINAL,)}
+    assert_text_inside(lambda: getattr(figures, name)(*asked.get(name, (ALPHA, NOMINAL))))
 
 
 def test_all_figures_are_written(sketched, tmp_path):

@@ -1,13 +1,9 @@
-"""Let the tests, and the workers they start, import the fakes and `true_error`, whatever the import mode."""
+"""Fits without time, files of one moment, and a sweep that nothing disturbs."""
 
 import sys
 from datetime import datetime
-from pathlib import Path
 
 import pytest
-
-HERE = Path(__file__).parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "results"), str(HERE.parent / "tools")]
 
 
 @pytest.fixture
@@ -42,3 +38,15 @@ def one_moment():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("screwsim.results.schema.datetime", OneMoment)
         yield
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory):
+    """Return the file of a sweep that nothing disturbs."""
+    from sweep_fakes import chained, grid_scene
+
+    from screwsim.study.sweep import run_sweep
+
+    output = tmp_path_factory.mktemp("reference") / "one.h5"
+    run_sweep(grid_scene(), output, jobs=1, simulate_many=chained)
+    return output

@@ -8,6 +8,7 @@ from result_fakes import SCENE
 from screwsim.outputs import Figures, Result
 from screwsim.scene import Scene
 
+GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
 FIT = """\
 title: two unknowns
 scene: machine.yaml
@@ -17,13 +18,21 @@ parameters:
   oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K), start: 1.5 kJ/(kg K)}
 starts: 3
 """
-POINTS = """\
+HEAD = "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
+POINTS = f"""\
 # made up
-name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]
-a,fit,1000,3.1,0.1
+{HEAD}a,fit,1000,3.1,0.1
 b,fit,2000,5.2,0.1
 c,fit,3000,6.8,0.2
 d,check,4000,9,0.1
+"""
+ONE_START = """\
+scene: machine.yaml
+data: points.csv
+parameters:
+  effects.tip_leakage.gap: {from: 10 um, to: 100 um}
+  oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}
+starts: 1
 """
 DEGENERATE = """\
 parameters:

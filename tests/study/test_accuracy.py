@@ -8,6 +8,7 @@ from pathlib import Path
 
 import h5py
 import pytest
+from small_scene import SCENE as SMALL
 
 from screwsim.cli import exit_code
 from screwsim.figures.errors import relative_errors, worst
@@ -20,25 +21,7 @@ from screwsim.study import accuracy
 from screwsim.study.accuracy import QUICK_SCOPE, NoReference, Study, effect_costs, files, reference_of, study, words
 from screwsim.study.accuracy.solving import CHECKS, WorkLimit, all_cases, method_of, solve
 
-SCENE = """\
-title: small
-machine:
-  rotor_diameter: 160 mm
-  rotor_length: 176 mm
-  volume: {max: 600 cm^3, phi_A: 60 deg}
-  suction_port: {area: 40 cm^2, phi_B: 60 deg}
-  discharge_port: {area: 12 cm^2, opens: 600 deg, phi_C: 640 deg}
-gas: {fluid: R134a, isentropic_exponent: 1.12}
-operation:
-  speed: 3000 rpm
-  suction: {pressure: 1.5 bar, temperature: 283 K}
-  discharge: {pressure: 12 bar}
-effects:
-  suction_port:
-  discharge_port:
-  tip_leakage: {gap: 50 um}
-numerics: {accuracy: 0.01}
-"""
+SCENE = SMALL + "numerics: {accuracy: 0.01}\n"
 EXTENT = replace(QUICK_SCOPE, asked=(1e-2, 1e-4), points=(1, 3), limit=1.0, pairs=0, seconds=1e-3, runs=1)
 
 

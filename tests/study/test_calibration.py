@@ -2,7 +2,20 @@
 
 import numpy as np
 import pytest
-from fit_fakes import DEGENERATE, FIT, POINTS, Stopped, coordinates, hopeless, plane, product, torn, write_fit
+from fit_fakes import (
+    CAPACITY,
+    DEGENERATE,
+    FIT,
+    GAP,
+    POINTS,
+    Stopped,
+    coordinates,
+    hopeless,
+    plane,
+    product,
+    torn,
+    write_fit,
+)
 from scipy.optimize import lsq_linear
 
 from screwsim.inputs.faults import Interrupted
@@ -13,7 +26,6 @@ from screwsim.study.calibration.identifiability import certainty
 from screwsim.study.calibration.solve import Start, best_start
 from screwsim.study.scene_files import fitted_text
 
-GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
 SLOPES = np.array([[1.0, 1.0], [1.0, 2.0], [1.0, 3.0]])  # of kW over gap / 10 µm and capacity / (kJ/(kg K))
 POWER, SIGMA = np.array([3.1, 5.2, 6.8]), np.array([0.1, 0.1, 0.2])
 

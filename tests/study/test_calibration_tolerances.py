@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from fit_fakes import FIT, POINTS, SCENE, plane, write_fit
+from fit_fakes import CAPACITY, FIT, GAP, HEAD, POINTS, SCENE, plane, write_fit
 
 from screwsim.cli import exit_code
 from screwsim.inputs.faults import SceneError
@@ -19,8 +19,7 @@ from screwsim.study.calibration.read import fit_schema
 
 pytestmark = pytest.mark.around
 
-GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
-HEAD = "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
+
 VAGUE = HEAD + "a,fit,1000,7,500\nb,fit,2000,9,500\n"  # tell nothing
 ONE_SPEED = HEAD + "".join(
     f"p{i},fit,2000,{10.0 + off},0.02\n" for i, off in enumerate((-0.02, -0.01, 0.0, 0.01, 0.02))

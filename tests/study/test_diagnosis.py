@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fit_fakes import SCENE, coordinates, plane, product, torn, write_fit
+from fit_fakes import CAPACITY, GAP, HEAD, ONE_START, SCENE, coordinates, plane, product, torn, write_fit
 
 import screwsim
 from screwsim.cli import exit_code
@@ -28,16 +28,7 @@ from screwsim.study.uncertainty.slopes import Sensitivities
 pytestmark = pytest.mark.around
 
 ROOT = Path(__file__).parents[2]
-GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
 UNCHANGED = {GAP: "50 um", CAPACITY: "2 kJ/(kg K)"}  # 5 kW and 2 kW per 1000 rpm
-FIT = """\
-scene: machine.yaml
-data: points.csv
-parameters:
-  effects.tip_leakage.gap: {from: 10 um, to: 100 um}
-  oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}
-"""
-HEAD = "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
 
 
 def points(of=lambda n: 5.0 + 2.0 * n, seed=1, noise=0.05, count=6):
@@ -47,8 +38,14 @@ def points(of=lambda n: 5.0 + 2.0 * n, seed=1, noise=0.05, count=6):
     return HEAD + "\n".join(rows) + "\n"
 
 
+def measured_of(text):
+    """Return the speeds [1000 rpm] and powers [kW] of points."""
+    rows = [line.split(",") for line in text.splitlines()[1:]]
+    return np.array([[float(row[2]) / 1e3, float(row[3])] for row in rows]).T
+
+
 def written(folder, text):
-    return write_fit(folder, FIT, text, screwsim.loads(SCENE).with_(UNCHANGED).text)
+    return write_fit(folder, ONE_START, text, screwsim.loads(SCENE).with_(UNCHANGED).text)
 
 
 def asked(folder, text, simulator=plane, **how):
@@ -61,7 +58,9 @@ def by_path(found):
 
 def test_of_a_parameter_that_does_nothing_the_points_tell_nothing(tmp_path, capsys):
     """Its probability is that beforehand, and its interval that of its bounds; of another they tell. It has no best."""
-    idle = FIT.replace("oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", "operation.ambient_temperature: IDLE")
+    idle = ONE_START.replace(
+        "oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", "operation.ambient_temperature: IDLE"
+    )
     fit = write_fit(
         tmp_path,
         idle.replace("IDLE", "{from: 280 K, to: 300 K}"),
@@ -104,8 +103,7 @@ def test_inputs_that_are_not_known_widen_the_measurement():
 def test_probabilities_are_those_of_bayes_rule(tmp_path):
     text = points(lambda n: 5.06 + 2.0 * n)
     found = by_path(asked(tmp_path, text, unchanged=0.4, pairs=0.0))
-    rows = [line.split(",") for line in text.splitlines()[1:]]
-    n, measured = np.array([[float(row[2]) / 1e3, float(row[3])] for row in rows]).T
+    n, measured = measured_of(text)
 
     def likelihood(gap, capacity):
         return np.exp(-0.5 * np.sum(((gap + capacity * n - measured) / 0.05) ** 2))
@@ -183,8 +181,7 @@ def test_the_likelihood_between_solutions_is_that_of_the_model(tmp_path):
     # near the least power, where slopes say nothing: the likelihood is flat and falls off on both sides, no normal one
     text = points(lambda n: 5.0 + 0.2 * 0.5**2 + 2.0 * n)
     found = by_path(asked(tmp_path, text, bent))
-    rows = [line.split(",") for line in text.splitlines()[1:]]
-    n, measured = np.array([[float(row[2]) / 1e3, float(row[3])] for row in rows]).T
+    n, measured = measured_of(text)
     gaps = np.linspace(1.0, 10.0, 20_001)
     off = 5.0 + 0.2 * (gaps[:, None] - 4.0) ** 2 + 2.0 * n - measured
     likelihood = np.exp(-0.5 * np.sum((off / 0.05) ** 2, axis=1))
@@ -267,8 +264,7 @@ def test_the_evidence_of_two_changes_is_the_mean_likelihood_between_the_bounds_o
 def test_probabilities_of_pairs_are_those_of_bayes_rule(tmp_path):
     text = points(lambda n: 5.4 + 1.9 * n)
     found = by_path(asked(tmp_path, text, unchanged=0.4, pairs=0.25))
-    rows = [line.split(",") for line in text.splitlines()[1:]]
-    n, measured = np.array([[float(row[2]) / 1e3, float(row[3])] for row in rows]).T
+    n, measured = measured_of(text)
     gaps, capacities = np.linspace(1.0, 10.0, 3001), np.linspace(1.0, 3.0, 3001)
 
     def likelihood(gap, capacity):
@@ -441,7 +437,7 @@ def warmer(scene):
 def test_a_temperature_is_in_degrees_celsius_and_its_change_in_kelvins(tmp_path, capsys):
     """It was 303 K, as nowhere else."""
     path = "operation.ambient_temperature"
-    fit = FIT.replace(
+    fit = ONE_START.replace(
         "oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", f"{path}: {{from: 10 degC, to: 50 degC}}"
     )
     scene = screwsim.loads(SCENE).with_({**UNCHANGED, path: "25 degC"}).text

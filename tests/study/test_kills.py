@@ -9,19 +9,12 @@ from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 import pytest
-from sweep_fakes import assert_same, chained, forked, grid_scene, held, slow
+from sweep_fakes import assert_same, forked, grid_scene, held, slow
 
 from screwsim.study.sweep import run_sweep
 
 pytestmark = [pytest.mark.slow, pytest.mark.around]
 SPAN = 0.6  # [s] that the sweep takes, on idle cores
-
-
-@pytest.fixture(scope="module")
-def reference(tmp_path_factory) -> Path:
-    output = tmp_path_factory.mktemp("reference") / "one.h5"
-    run_sweep(grid_scene(), output, jobs=1, simulate_many=chained)
-    return output
 
 
 def running(output: Path) -> tuple[BaseProcess, Path]:

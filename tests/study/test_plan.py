@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from fit_fakes import SCENE, coordinates, plane, torn, write_fit
+from fit_fakes import CAPACITY, GAP, HEAD, ONE_START, SCENE, coordinates, plane, torn, write_fit
 
 import screwsim
 from screwsim.cli import exit_code
@@ -34,16 +34,6 @@ from screwsim.study.uncertainty.slopes import Sensitivities
 from screwsim.study.uncertainty.spreads import groups_of
 
 ROOT = Path(__file__).parents[2]
-GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
-FIT = """\
-scene: machine.yaml
-data: points.csv
-parameters:
-  effects.tip_leakage.gap: {from: 10 um, to: 100 um}
-  oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}
-starts: 1
-"""
-HEAD = "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
 POINTS = HEAD + "a,fit,2000,9,0.09\nb,fit,2100,9.2,0.092\nc,check,3000,11,0.1\n"
 SPEEDS = "operation.speed=1000 rpm..5000 rpm"
 
@@ -51,7 +41,7 @@ SPEEDS = "operation.speed=1000 rpm..5000 rpm"
 def written(folder, text=POINTS):
     """Write a fit whose machine lies within the bounds: 50 um, 2 kJ/(kg K)."""
     scene = screwsim.loads(SCENE).with_({GAP: "50 um", CAPACITY: "2 kJ/(kg K)"}).text
-    return write_fit(folder, FIT, text, scene)
+    return write_fit(folder, ONE_START, text, scene)
 
 
 def fit_of(folder, text=POINTS):
@@ -148,7 +138,7 @@ def test_what_follows_a_parameter_has_no_tolerance_of_its_own(tmp_path, monkeypa
     effects = "\n".join(f"  {name}_leakage: {{gap: 50 um ± 10 um{length}}}" for name, length in lengths.items())
     scene = SCENE.replace("  tip_leakage: {gap: 50 um}", effects)
     follower = "also: {effects.interlobe_leakage.gap: {factor: 1}}"
-    text = FIT.replace("to: 100 um}", f"to: 100 um, {follower}}}")
+    text = ONE_START.replace("to: 100 um}", f"to: 100 um, {follower}}}")
     asked = []
 
     def shifts(of, point, groups, result):
@@ -180,13 +170,13 @@ def test_an_input_without_a_derivative_at_one_point_is_left_out_at_all_and_named
 def test_a_plan_goes_on_without_an_input_that_has_no_derivative_and_says_so(tmp_path, monkeypatch, capsys):
     """It refused the whole question."""
     scene = SCENE.replace("gap: 50 um}", "gap: 50 um}\n  interlobe_leakage: {gap: 50 um ± 10 um, length: 130 mm}")
-    fit, path = read_fit(write_fit(tmp_path, FIT, POINTS, scene), fixed=False), "effects.interlobe_leakage.gap"
+    fit, path = read_fit(write_fit(tmp_path, ONE_START, POINTS, scene), fixed=False), "effects.interlobe_leakage.gap"
     monkeypatch.setattr(
         "screwsim.study.uncertainty.point.sensitivities",
         lambda *asked, **more: Sensitivities(Result("ok"), left_out={path: "failed: too hot"}),
     )
     found = plan(fit, candidates_of(fit, paths=[SPEEDS]), count=2, jobs=1, simulate=plane)
-    alone = read_fit(write_fit(tmp_path, FIT, POINTS, scene.replace(" ± 10 um", "")), fixed=False)
+    alone = read_fit(write_fit(tmp_path, ONE_START, POINTS, scene.replace(" ± 10 um", "")), fixed=False)
     certain = plan(alone, candidates_of(alone, paths=[SPEEDS]), count=2, jobs=1, simulate=plane)
     assert (found.inputs, [step.deviations for step in found.steps]) == ((), [s.deviations for s in certain.steps])
     print_plan(found)
@@ -198,7 +188,7 @@ def test_a_plan_goes_on_without_an_input_that_has_no_derivative_and_says_so(tmp_
 def test_only_a_candidate_at_which_an_input_has_no_derivative_is_left_out_and_named(tmp_path, monkeypatch, capsys):
     """Elsewhere the input counts as uncertain; at such a candidate it would count as exact, and the point tell most."""
     scene = SCENE.replace("gap: 50 um}", "gap: 50 um}\n  interlobe_leakage: {gap: 50 um ± 10 um, length: 130 mm}")
-    fit, path = read_fit(write_fit(tmp_path, FIT, POINTS, scene), fixed=False), "effects.interlobe_leakage.gap"
+    fit, path = read_fit(write_fit(tmp_path, ONE_START, POINTS, scene), fixed=False), "effects.interlobe_leakage.gap"
     speed = 2.0 * np.pi * 1000.0 / 60.0
 
     def lost_at_1000_rpm(of, *asked, **more):
@@ -223,7 +213,9 @@ def test_only_a_candidate_at_which_an_input_has_no_derivative_is_left_out_and_na
 def test_an_input_without_a_derivative_at_any_candidate_takes_no_other_input_with_it(tmp_path, monkeypatch):
     """The length, unknown at 3000 rpm alone, was left out at all points beside a gap that is unknown at each."""
     given = "\n  interlobe_leakage: {gap: 50 um ± 10 um, length: 130 mm ± 5 mm}"
-    fit = read_fit(write_fit(tmp_path, FIT, POINTS, SCENE.replace("gap: 50 um}", f"gap: 50 um}}{given}")), fixed=False)
+    fit = read_fit(
+        write_fit(tmp_path, ONE_START, POINTS, SCENE.replace("gap: 50 um}", f"gap: 50 um}}{given}")), fixed=False
+    )
     gap, length = "effects.interlobe_leakage.gap", "effects.interlobe_leakage.length"
 
     def lost(of, *asked, **more):

@@ -6,7 +6,7 @@ import sys
 import h5py
 import numpy as np
 import pytest
-from fit_fakes import coordinates, hopeless, plane, product, write_fit
+from fit_fakes import CAPACITY, GAP, HEAD, ONE_START, coordinates, hopeless, plane, product, write_fit
 
 import screwsim
 from screwsim.cli import exit_code
@@ -21,17 +21,6 @@ from screwsim.study.calibration.predict import predict
 
 pytestmark = pytest.mark.around
 
-GAP, CAPACITY = "effects.tip_leakage.gap", "oil.heat_capacity"
-FIT = """\
-scene: machine.yaml
-data: points.csv
-parameters:
-  effects.tip_leakage.gap: {from: 10 um, to: 100 um}
-  oil.heat_capacity: {from: 1 kJ/(kg K), to: 3 kJ/(kg K)}
-starts: 1
-"""
-HEAD = "name,use,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
-
 
 def points(seed: int, fitted: int, checked: int, discrepancy: float, noise: float = 0.05) -> str:
     """Return points of 2 + 2 n kW, n in 1000 rpm, with a deviation of the model at each, and noise of measurement."""
@@ -44,7 +33,7 @@ def points(seed: int, fitted: int, checked: int, discrepancy: float, noise: floa
     return HEAD + "\n".join(rows) + "\n"
 
 
-def sampled(folder, text, simulate=plane, fit=FIT, **how):
+def sampled(folder, text, simulate=plane, fit=ONE_START, **how):
     found = calibrate(read_fit(write_fit(folder, fit, text)), jobs=1, simulate=simulate)
     return found, posterior(found, jobs=1, simulate=simulate, **how)
 
@@ -80,7 +69,7 @@ def test_intervals_cover_held_out_points_of_a_machine_with_a_discrepancy(tmp_pat
 
 def test_polynomials_that_bend_the_posterior_are_said(tmp_path):
     """Over its logarithm the gap is no polynomial: off by less than an uncertainty, but at every point the same way."""
-    fit = FIT.replace("to: 100 um}", "to: 100 um, spacing: log}")
+    fit = ONE_START.replace("to: 100 um}", "to: 100 um, spacing: log}")
     generator = np.random.default_rng(5)
     n = generator.uniform(1.0, 5.0, 10)
     power = 0.5 + 2.0 * n + 0.3 * generator.standard_normal(10)  # the gap lies at its bound
@@ -92,7 +81,7 @@ def test_polynomials_that_bend_the_posterior_are_said(tmp_path):
 
 def test_a_tight_prior_is_the_posterior(tmp_path):
     prior = "{from: 1 kJ/(kg K), to: 3 kJ/(kg K), prior: {mean: 2 kJ/(kg K), deviation: 0.000001 kJ/(kg K)}}"
-    with_prior = FIT.replace("{from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", prior)
+    with_prior = ONE_START.replace("{from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", prior)
     _, wide = sampled(tmp_path, points(3, 10, 0, 0.0, 0.5), fit=with_prior, most_steps=4000)
     assert wide.status == "ok", wide.message
     assert wide.parameters[1].deviation == pytest.approx(1e-3, rel=0.1)
@@ -114,7 +103,7 @@ def test_what_the_points_do_not_tell_is_as_wide_as_its_prior(tmp_path):
 
 def test_a_prior_counts(tmp_path):
     prior = "{from: 1 kJ/(kg K), to: 3 kJ/(kg K), prior: {mean: 1.5 kJ/(kg K), deviation: 0.01 kJ/(kg K)}}"
-    with_prior = FIT.replace("{from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", prior)
+    with_prior = ONE_START.replace("{from: 1 kJ/(kg K), to: 3 kJ/(kg K)}", prior)
     _, wide = sampled(tmp_path, points(3, 4, 0, 0.0, 0.5), fit=with_prior, most_steps=2000)
     assert wide.parameters[1].median == pytest.approx(1500.0, abs=5.0)
     assert wide.parameters[1].deviation == pytest.approx(10.0, rel=0.2)
@@ -150,7 +139,7 @@ def test_polynomials_that_do_not_follow_the_model_are_said(tmp_path):
 def test_the_command_prints_and_writes_the_posterior(tmp_path, capsys, monkeypatch):
     from screwsim.simulate import warm_up
 
-    file = write_fit(tmp_path, FIT, points(3, 8, 2, 0.1))
+    file = write_fit(tmp_path, ONE_START, points(3, 8, 2, 0.1))
     monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda: plane)
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
     monkeypatch.setattr(Fit, "short_names", lambda fit: {GAP: "tip_leakage.gap", CAPACITY: "heat_capacity"})
@@ -223,7 +212,7 @@ def test_a_point_without_a_solution_is_not_predicted_and_told(tmp_path):
 
 
 def test_the_command_predicts_other_points(tmp_path, capsys, monkeypatch):
-    file, new, out = write_fit(tmp_path, FIT, points(3, 8, 0, 0.1)), tmp_path / "new.csv", tmp_path / "out"
+    file, new, out = write_fit(tmp_path, ONE_START, points(3, 8, 0, 0.1)), tmp_path / "new.csv", tmp_path / "out"
     fakes(monkeypatch)
     new.write_text(
         "name,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\nx,6000,,0.4\ny,2000,9,0.1\n"
@@ -244,7 +233,7 @@ def test_the_command_predicts_other_points(tmp_path, capsys, monkeypatch):
 
 
 def test_a_program_has_posterior_and_predictions(tmp_path, monkeypatch):
-    file, new = write_fit(tmp_path, FIT, points(3, 8, 0, 0.1)), tmp_path / "new.csv"
+    file, new = write_fit(tmp_path, ONE_START, points(3, 8, 0, 0.1)), tmp_path / "new.csv"
     fakes(monkeypatch)
     new.write_text("operation.speed [rpm]\n3000\n")
     found = screwsim.posterior(file, predict=new, jobs=1)
@@ -258,7 +247,7 @@ def test_a_program_has_posterior_and_predictions(tmp_path, monkeypatch):
 
 
 def test_points_that_cannot_be_predicted_are_told_where_they_are(tmp_path, monkeypatch):
-    file, new = write_fit(tmp_path, FIT, points(3, 8, 0, 0.1)), tmp_path / "new.csv"
+    file, new = write_fit(tmp_path, ONE_START, points(3, 8, 0, 0.1)), tmp_path / "new.csv"
     fakes(monkeypatch)
     new.write_text("operation.speed [bar]\n3000\n")
     with pytest.raises(SceneError, match=r"new\.csv:1:1: operation\.speed: "):

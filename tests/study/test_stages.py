@@ -2,13 +2,13 @@
 
 import json
 import re
-import sys
 from dataclasses import replace
 from functools import partial
 from math import log
 from pathlib import Path
 
 import pytest
+from scenes import DROP, ECONOMIZER, SOLUBLE, scene_dict
 
 from screwsim.build import build_gas
 from screwsim.cli import exit_code
@@ -18,13 +18,10 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import STAGES, Figures, Result
 from screwsim.printing.stages import print_stages
 from screwsim.scene import lines, loads
-from screwsim.simulate import simulate
+from screwsim.simulate import simulate, simulate_next
 from screwsim.study.stages import is_stages, read_stages, run_stages
 from screwsim.study.stages.result import capacities, electrical_figures
 from screwsim.study.stages.solve import ChainResult
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import DROP, ECONOMIZER, SOLUBLE, scene_dict
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ACCURACY = 3e-4
@@ -195,11 +192,11 @@ def test_figures_of_the_whole_are_off_by_no_more_than_twice_their_estimated_erro
 def test_errors_of_both_stages_reach_the_whole_by_the_pressure_that_they_move(chain, monkeypatch):
     """Flows known to 1 % each leave the pressure open by 2 % over the slope of their ratio."""
 
-    def rough(scene, **asked):
-        result = simulate(scene, **asked)
+    def rough(*asked):
+        result = simulate_next(*asked)
         return replace(result, error=Figures(dict.fromkeys(result.error, 0.0) | {"gas_mass_flow": 0.01}))
 
-    monkeypatch.setattr("screwsim.study.stages.solve.simulate", rough)
+    monkeypatch.setattr("screwsim.study.stages.solve.simulate_next", rough)
     found = run_stages(read_stages(chain(COOLER)))
     ratios = []
     for factor in (1.0, 1.02):

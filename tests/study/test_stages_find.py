@@ -2,11 +2,10 @@
 
 import json
 import math
-import sys
 from functools import partial
-from pathlib import Path
 
 import pytest
+from scenes import scene_dict, two_stages
 
 import screwsim
 from screwsim.cli import exit_code
@@ -18,9 +17,6 @@ from screwsim.study.seek import find_each, question
 from screwsim.study.stages import StageChain, read_stages
 from screwsim.study.stages.result import figures_of_both
 from screwsim.study.uncertainty.measured import read_measured
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import scene_dict, two_stages
 
 RPM = math.pi / 30.0
 FIRST, SECOND = "first.operation.speed", "second.operation.speed"

@@ -3,13 +3,13 @@
 import csv
 import json
 import math
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from scenes import scene_dict
 
 import screwsim
 from screwsim.cli import exit_code
@@ -22,9 +22,6 @@ from screwsim.study.optimize import question as several
 from screwsim.study.optimize import run_question
 from screwsim.study.stages import StageChain, read_stages
 from screwsim.study.stages.result import figures_of_both
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import scene_dict
 
 RPM = math.pi / 30.0
 SPEED = "second.operation.speed"

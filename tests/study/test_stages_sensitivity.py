@@ -3,12 +3,11 @@
 import csv
 import json
 import math
-import sys
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import pytest
+from scenes import two_stages
 
 import screwsim
 from screwsim.cli import exit_code
@@ -22,9 +21,6 @@ from screwsim.study.stages.result import figures_of_both
 from screwsim.study.uncertainty.measured import compare_measured, read_measured
 from screwsim.study.uncertainty.sobol import sensitivity
 from screwsim.study.uncertainty.stages import chain_sensitivities
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import two_stages
 
 RPM = math.pi / 30.0
 FIRST, SECOND = "first.operation.speed", "second.operation.speed"

@@ -2,12 +2,11 @@
 
 import csv
 import json
-import sys
 from dataclasses import replace
 from math import exp, log
-from pathlib import Path
 
 import pytest
+from scenes import DROP, scene_dict
 
 import screwsim
 from screwsim.cli import exit_code
@@ -19,9 +18,6 @@ from screwsim.study.datasheet import SheetOptions, sheet_of
 from screwsim.study.datasheet.air_sheet import FAN_CONTROL
 from screwsim.study.datasheet.stages_sheet import best_intermediate
 from screwsim.study.stages import read_stages, run_stages
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import DROP, scene_dict
 
 pytestmark = pytest.mark.around
 LOW = {

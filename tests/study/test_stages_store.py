@@ -1,12 +1,12 @@
 """Results of two stages in a file: what was printed, each stage's result, and scenes that give the same again."""
 
 import json
-import sys
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+from scenes import scene_dict
 
 import screwsim
 from screwsim.cli import exit_code
@@ -15,9 +15,6 @@ from screwsim.outputs import STAGES
 from screwsim.outputs.display import cf_unit
 from screwsim.report.quantities import shown_axis
 from screwsim.study.stages import read_stages, run_stages
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import scene_dict
 
 SWEEP = {"first.operation.speed": ["2500 rpm", "3000 rpm"], "second.operation.speed": ["1300 rpm", "10000 rpm"]}
 

@@ -2,12 +2,11 @@
 
 import csv
 import json
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes import scene_dict
 
 import screwsim
 from screwsim.cli import exit_code
@@ -20,9 +19,6 @@ from screwsim.study.sweep.stages import KeptPoints, sweep_stages
 from screwsim.study.uncertainty import stages_linear
 from screwsim.study.uncertainty.spreads import tolerances_of
 from screwsim.study.uncertainty.stages import with_uncertainty
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "laws"))
-from scenes import scene_dict
 
 LOW = {
     "effects.tip_leakage.gap": "50 um ± 8 um",

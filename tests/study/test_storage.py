@@ -32,13 +32,6 @@ LONG = SCENE + "sweep: {operation.speed: {from: 1000 rpm, to: 2000 rpm, count: 3
 
 
 @pytest.fixture(scope="module")
-def reference(tmp_path_factory) -> Path:
-    output = tmp_path_factory.mktemp("reference") / "one.h5"
-    run_sweep(grid_scene(), output, jobs=1, simulate_many=chained)
-    return output
-
-
-@pytest.fixture(scope="module")
 def long() -> tuple[Scene, Table]:
     """Return a scene of many cases and the table of all of them, which nobody writes into."""
     swept = scene(LONG)

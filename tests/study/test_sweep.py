@@ -6,7 +6,6 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -34,13 +33,6 @@ from screwsim.results import open_results
 from screwsim.study.sweep import run_sweep, sweep
 
 pytestmark = pytest.mark.usefixtures("one_moment")
-
-
-@pytest.fixture(scope="module")
-def reference(tmp_path_factory) -> Path:
-    output = tmp_path_factory.mktemp("reference") / "one.h5"
-    run_sweep(grid_scene(), output, jobs=1, simulate_many=chained)
-    return output
 
 
 def test_each_case_lies_at_its_place_on_the_axes(reference):

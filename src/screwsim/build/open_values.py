@@ -155,7 +155,7 @@ def with_coordinates(scene: Scene, at: Sequence[float]) -> Scene:
 
 
 def required_changes(
-    scene: Scene, figures: Mapping[str, Any], T_oil: float, follows: bool = False
+    scene: Scene, figures: Mapping[str, Any], T_oil: float, follows: bool
 ) -> list[CoordinateChange] | None:
     """Return the change that the figures of a cycle require of each coordinate; None where a figure has no value.
 

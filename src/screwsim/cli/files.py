@@ -96,8 +96,8 @@ def scene(
     if len(places) < len(scenes):
         named = ", ".join(filter(None, scenes))
         raise UsageError(f"-o {output}: is the name of a stage's file, {named} (choose another name)")
-    for place in filter(Path.exists, places):
-        raise UsageError(f"-o {place}: already exists and is not overwritten (choose another name, or remove it)")
+    for place in places:
+        options.check_new(place)
     options.print_files([write_text(place, text) for place, text in places.items()])
 
 

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from screwsim.cli.declare import File, Text, argument, option, switch
+from screwsim.cli.options import check_new
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
 
@@ -92,8 +93,7 @@ def _check_free(output: Path) -> None:
         raise UsageError(f"-o {output}: a scene file must end in .yaml (write -o {good})")
     if output.name.endswith((".fit.yaml", ".stages.yaml")):
         raise UsageError(f"-o {output}: is named like a fit or a two-stage file (choose another name)")
-    if output.exists():
-        raise UsageError(f"-o {output}: already exists and is not overwritten (choose another name, or remove it)")
+    check_new(output)
     from screwsim.results.atomic import check_writable
 
     check_writable(output)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -130,6 +129,12 @@ def _check_writable(output: Path) -> None:
     check_writable(output)
 
 
+def check_new(output: Path) -> None:
+    """Raise UsageError where a file exists already: a scene is never overwritten."""
+    if output.exists():
+        raise UsageError(f"-o {output}: already exists and is not overwritten (choose another name, or remove it)")
+
+
 def check_target(output: Path | None, *endings: str) -> None:
     """Raise UsageError unless the file name has one of the endings, and can be written."""
     if output is None:
@@ -202,18 +207,16 @@ def base_point(scene: AnyScene, file: str) -> AnyScene:
     """Return the scene without its sweep, as stored with the result; if it has one, report that on stderr."""
     if not scene.sweep:
         return scene
-    from screwsim.scene import Scene, scene_text
+    from screwsim.scene import without_sweep
+    from screwsim.study.asked.varied import with_text
 
     report_ignored_sweep(scene, f"{file}: its", f"screwsim sweep {quote(file)} simulates the sweep")
-    if not isinstance(scene, Scene):
-        return replace(scene, sweep={}, joints=())
-    base = replace(scene, sweep={})
-    return replace(base, text=scene_text(base))
+    return with_text(without_sweep(scene))
 
 
 def report_sweeps_of_stages(chain: StageChain, file: str) -> None:
     """Report on stderr that the sweeps of the scenes of a two-stage file are ignored, if there are some."""
-    for name, scene in (("first", chain.first), ("second", chain.second)):
+    for name, scene in chain.by_stage.items():
         report_ignored_sweep(scene, f"{file}: the {name} scene's", "a sweep of two stages stands in the two-stage file")
 
 

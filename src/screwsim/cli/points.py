@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from shlex import quote
@@ -128,6 +127,7 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, measured: Sequ
     from screwsim.printing import print_json
     from screwsim.printing.measured import print_measured
     from screwsim.printing.stages import print_stages
+    from screwsim.scene import without_sweep
     from screwsim.study.stages import read_stages, run_stages
     from screwsim.study.stages.store import chain_point, save_chain
     from screwsim.study.uncertainty.measured import compare_measured, read_measured
@@ -140,7 +140,7 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, measured: Sequ
     options.report_ignored_sweep(chain, f"{file}: its", f"screwsim sweep {quote(file)} simulates the sweep")
     options.report_sweeps_of_stages(chain, file)
     _report_ignored_model_errors(file, chain)
-    base = replace(chain, sweep={}, joints=())
+    base = without_sweep(chain)
     asked = read_measured(base, measured)  # mistakes are reported before anything is simulated
     found = with_uncertainty(base, run_stages(base))
     if output is not None:
@@ -158,7 +158,7 @@ def _run_stages(file: str, output: Path | None, overrides: Texts, measured: Sequ
 
 
 def _report_ignored_model_errors(file: str, chain: StageChain) -> None:
-    for name, scene in (("first", chain.first), ("second", chain.second)):
+    for name, scene in chain.by_stage.items():
         if scene.model_error:
             told = "model error is ignored (screwsim run of that scene shows it)"
             say(f"{file}: the {name} scene's {told}", err=True)

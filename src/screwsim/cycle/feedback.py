@@ -144,9 +144,7 @@ def into_lines(life: Trajectory) -> LineInflow:
     return LineInflow(*life.into_lines(LINE_POINTS))
 
 
-def _line_flows(
-    problem: Problem, life: Trajectory, q: Array, into: LineInflow | None = None
-) -> Callable[[str], LineFlow]:
+def _line_flows(problem: Problem, life: Trajectory, q: Array, into: LineInflow | None) -> Callable[[str], LineFlow]:
     """Return a function that gives the chambers' flow to a line; the life is read once, on the first call."""
     taken, gas = cache(lambda: into or into_lines(life)), problem.parts.gas
 

@@ -82,7 +82,7 @@ class SuctionState:
         return T_s if port_state is self.line else self.gas.temperature(port_state[PRESSURE], port_state[ENTHALPY])
 
 
-def suction_of(parts: Parts, line: PortState, lost: float = 0.0) -> SuctionState:
+def suction_of(parts: Parts, line: PortState, lost: float) -> SuctionState:
     """Return the suction state with the effects of a scene, after a package's loss of pressure `lost` [Pa] (M341)."""
     state = SuctionState(parts.gas, line, kept=1.0 - lost / line[PRESSURE])
     ratio, returned = 1.0, 0.0

@@ -136,7 +136,7 @@ def _end_behind(ends: Array, at: float) -> int:
 
 
 def with_rings(
-    edges: Array, seams: Array, crossings: Sequence[Crossing], growth: tuple[float, float], peak: float = math.nan
+    edges: Array, seams: Array, crossings: Sequence[Crossing], growth: tuple[float, float], peak: float
 ) -> Array:
     """Return edges with rings around crossings in place of others nearby; slices grow with distance from the crossing.
 

@@ -23,6 +23,7 @@ from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, Given, LosesPressure, PressureLosses, Reading, SuctionChange
 from screwsim.effects.parts.rating import isentropic_power
+from screwsim.fluid.settings import AIR
 from screwsim.inputs.declare import choice, quantity
 from screwsim.inputs.faults import Fault, QuantityNotFound
 from screwsim.outputs import (
@@ -42,7 +43,6 @@ NAME = "air_package"
 SEPARATED = ("effects.separator",)
 BEFORE = "inlet_filter", "inlet_valve"
 MOST = 0.5  # largest share of the suction pressure that filter and valve may lose at rated flow
-AIR = "air"
 NO_AIR = "ISO 1217 defines the isentropic power for air, and the gas is {fluid}"
 NONE_DELIVERED = "no net gas is delivered"
 IDLE = "the package is unloaded: nothing is delivered"

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 
 from screwsim.effects.base import DISCHARGE, Effect, Faults, FlowPath
 from screwsim.effects.parts.gap import PortParameters, check_port, port_path
+from screwsim.effects.parts.oil import oil_in_chambers
 from screwsim.effects.parts.usual import WAY_OUT
 from screwsim.fluid.wet_nozzle import wet_flux
 from screwsim.inputs.declare import number
@@ -54,7 +55,7 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(path, "needs oil (write an oil section, or remove it)")
     elif not facts.oil.carried:
         yield Fault(path, "needs oil.transport: carried (write that, or remove it)")
-    elif not any("T_oil" in active.effect.states for active in facts.effects.values()):
+    elif not oil_in_chambers(facts.effects):
         yield Fault(path, "needs oil in the chambers (add e.g. effects.oil_heat)")
 
 

@@ -26,7 +26,7 @@ from screwsim.effects.parts.usual import SEPARATOR
 from screwsim.fluid.separator import Separated, SeparatorInflow, separated
 from screwsim.fluid.settings import oil_temperature
 from screwsim.inputs.declare import number, quantity
-from screwsim.inputs.faults import Fault
+from screwsim.inputs.faults import Fault, given_twice
 from screwsim.machine.protocol import OIL, ROTORS
 from screwsim.outputs import Figure, Scale, power_figure
 from screwsim.outputs.customary import ZERO_CELSIUS, in_celsius
@@ -235,8 +235,7 @@ def check(parameters: Parameters, facts) -> Faults:
         stated = stated or ["conductance"]
     if stated and facts.oil_supply.temperature is not None:
         finds = "it states too" if stated[0] == "outlet_temperature" else "follows from it"
-        remedy = "remove one of the two; null drops a base's value"
-        yield Fault(f"{path}.cooler.{stated[0]}", f"is given as well as {SUPPLY}, which {finds} ({remedy})")
+        yield given_twice(f"{path}.cooler.{stated[0]}", f"{SUPPLY}, which {finds}")
     for name, active in facts.effects.items():
         asks = active.parameters
         if isinstance(asks, InSeparator) and asks.separator_temperature is not None:

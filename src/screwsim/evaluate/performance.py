@@ -57,7 +57,7 @@ def efficiencies(
 
 @lru_cache(maxsize=128)
 def _ideal_works(
-    gas: Gas, p: float, p_d: float, T: float, h: float | None = None, wet: bool = False
+    gas: Gas, p: float, p_d: float, T: float, h: float | None, wet: bool = False
 ) -> tuple[tuple[float | None, float, float], str | None]:
     """Return isothermal, ideal isothermal and isentropic work [J/kg] (M49), and why there is no isothermal one.
 

@@ -46,7 +46,7 @@ class Circuit(NamedTuple):
 
 
 def circuit_of(
-    problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float, brought: float = 0.0
+    problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float, brought: float
 ) -> Circuit | str | None:
     """Return the oil's circuit of a life with quadratures q; `brought` [W] is flow work that no own pump gave the oil.
 

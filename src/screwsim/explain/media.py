@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 
 from screwsim.build import open_temperatures, package_of
+from screwsim.effects.parts.oil import oil_in_chambers
 from screwsim.explain.parameters import parameters_text, row
 from screwsim.fluid import constants
 from screwsim.fluid.composition import is_blend
@@ -115,6 +116,6 @@ def oil_rows(scene: Scene, parts: Parts) -> Iterator[str]:
     if parts.oil_room:
         work = "contains its flow work (M491)" if parts.geometry.expands else "raises it to discharge pressure"
         yield row("room", f"the oil displaces gas in the chambers (M106); the indicated work {work}")
-    heated = any("T_oil" in active.effect.states for active in scene.effects.values())
+    heated = oil_in_chambers(scene.effects)
     text = TRANSPORT.get(oil.transport, oil.transport).format(at=at)
     yield row("transport", text if heated else "oil exchanges no heat and is not in the balances (no oil_heat)")

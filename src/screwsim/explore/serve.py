@@ -126,10 +126,10 @@ def serve(
     file: str,
     overrides: Sequence[str],
     without: Sequence[str],
-    host: str = LOOPBACK,
-    port: int | None = None,
-    browser: bool = True,
-    say: Callable[[str], None] = print,
+    host: str,
+    port: int | None,
+    browser: bool,
+    say: Callable[[str], None],
 ) -> None:
     """Serve the page of a scene until Ctrl-C."""
     base = open_base(file, overrides, without)

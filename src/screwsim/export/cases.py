@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from ruamel.yaml import YAML
 
-from screwsim.effects import catalogue
 from screwsim.figures.engineering import figure_unit, shown_name
 from screwsim.fluid.constants import gas_constant
 from screwsim.fluid.settings import GasSettings
@@ -20,7 +19,7 @@ from screwsim.results.atomic import make_folder, write_csv
 from screwsim.results.protection import protect_other_heads
 from screwsim.results.read import STAGES
 from screwsim.results.schema import Axis, cf_unit
-from screwsim.scene.fields import leaf_paths
+from screwsim.scene.fields import catalogue_leaves
 from screwsim.scene.types import COVERAGE
 from screwsim.study.calibration.data import UNCERTAINTY_SUFFIX
 
@@ -212,7 +211,7 @@ def as_figure(axis: Axis, units: str) -> Figure:
 
 def _kind(axis: Axis) -> str:
     """Return the kind of a varied path; of one of a user's own by its last word."""
-    known = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
+    known = catalogue_leaves()
     for path in (axis.path, axis.path.partition(".")[2]):  # the latter of one of two stages
         if path in known:
             return known[path].kind

@@ -164,9 +164,7 @@ def protect_other_loads(folder: Path) -> None:
     protect_other_json(folder / WHOLE, "lobe_frequency", "curves", "spectra")
 
 
-def write_loads(
-    scene: Scene, result: Result, found: ExportedLoads, folder: Path, steps: int = REVOLUTION_STEPS
-) -> list[str]:
+def write_loads(scene: Scene, result: Result, found: ExportedLoads, folder: Path, steps: int) -> list[str]:
     """Write curves and spectra as CSV, all of it as JSON, the surfaces as XDMF; return the paths."""
     make_folder(folder)
     files = []

@@ -102,7 +102,7 @@ def check_conditions(scene: Varied) -> None:
 @contextmanager
 def swept_results(
     source: str,
-    over: Sequence[str] | None = None,
+    over: Sequence[str] | None,
     overrides: Sequence[str] | None = None,
     without: Sequence[str] | None = None,
     jobs: int | None = None,

@@ -10,7 +10,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene
 
 
-def supports_of(scene: Scene, result: Result, spans: Spans | None = None, shafts: Diameters | None = None) -> Supports:
+def supports_of(scene: Scene, result: Result, spans: Spans | None, shafts: Diameters | None) -> Supports:
     """Return the supports of both rotors of a result, those of the scene where `spans` or `shafts` [m] are None.
 
     `spans` are the distances of the bearings of either rotor, suction first. What neither states is 0. Pistons are

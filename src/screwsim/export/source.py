@@ -1,7 +1,6 @@
 """A map, or a run with its cycle, from a command's argument: a scene to simulate, or a file with the results."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 from typing import Any
@@ -16,7 +15,7 @@ from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Result
 from screwsim.results import Results, open_results
-from screwsim.scene import Scene, load, loads
+from screwsim.scene import Scene, load, loads, without_sweep
 from screwsim.scene.units import Refused, parse_quantity
 from screwsim.simulate import simulate
 from screwsim.study.asked.figures import figure_named
@@ -84,7 +83,7 @@ def map_of(
     return map_of_scene(scene, over or (), figures, wanted, most, jobs, progress, told)
 
 
-def map_of_results(results: Results, figures: Sequence[str] | None = None) -> MapTable:
+def map_of_results(results: Results, figures: Sequence[str] | None) -> MapTable:
     """Return the map of a sweep's results; raise `UsageError` for a figure that they do not have."""
     names = [figure_named(text, results.figures, results.error) for text in figures or ()]
     absent = [name for name in names if name not in results.figures]
@@ -95,12 +94,12 @@ def map_of_results(results: Results, figures: Sequence[str] | None = None) -> Ma
 
 def map_of_scene(
     scene: Varied,
-    over: Sequence[str] | Mapping[str, tuple[float, float]] = (),
-    figures: Sequence[str] | None = None,
-    wanted: float | None = None,
-    most: int | None = None,
-    jobs: int | None = None,
-    progress: Callable[[], Progress] | None = None,
+    over: Sequence[str] | Mapping[str, tuple[float, float]],
+    figures: Sequence[str] | None,
+    wanted: float | None,
+    most: int | None,
+    jobs: int | None,
+    progress: Callable[[], Progress] | None,
     told: Callable[[Varied, tuple[Input, ...]], None] | None = None,
     dashes: str = "--",
 ) -> MapTable:
@@ -134,7 +133,7 @@ def run_of(
         alone = "screwsim run -o OUT.h5, then screwsim scene OUT.h5 --stage first, gives one to be named here"
         refuse_stages(source, f"loads are those of one machine ({alone})")
         scene = load(source, overrides, without)
-        scene = replace(scene, sweep={}, joints=())
+        scene = without_sweep(scene)
         check(scene)
         return scene, simulate(scene)
     if overrides or without:

@@ -37,7 +37,7 @@ from screwsim.outputs import Figure
 from screwsim.results import Results, open_results
 from screwsim.results.schema import Axis
 from screwsim.results.warning_kinds import kinds_of, warnings_of_cases
-from screwsim.scene import Scene, scene_text
+from screwsim.scene import Scene, scene_text, without_sweep
 from screwsim.scene.types import Joint
 from screwsim.study.asked.varied import Varied
 from screwsim.study.pool.progress import Progress
@@ -70,7 +70,7 @@ def tabulated_map(
     wanted: float,
     *,
     most: int = 5000,
-    jobs: int | None = None,
+    jobs: int | None,
     progress: Callable[[], Progress] | None = None,
     simulate: Any = None,
 ) -> MapTable:
@@ -81,7 +81,7 @@ def tabulated_map(
     """
     check_names(inputs, outputs)
     head = title_on_one_line(scene.title), tuple(inputs), tuple(outputs)
-    text = _text(replace(scene, sweep={}, joints=()))
+    text = _text(without_sweep(scene))
     solve = _Solver(scene, outputs, jobs, progress, simulate)
     nodes = [evenly_spaced_nodes(variable, 5 if len(inputs) <= FEW_INPUTS else 3) for variable in inputs]
     points = _drawn_check_points(inputs)

@@ -15,6 +15,7 @@ from typing import Any
 
 from screwsim.effects import catalogue, having, imported
 from screwsim.effects.base import Effect, PowerLoss, Reading, SuctionChange
+from screwsim.effects.parts.oil import oil_in_chambers
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import ImpossibleValue, UsageError
 from screwsim.model.parts import Parts
@@ -28,7 +29,7 @@ from screwsim.scene.lines import saturates
 from screwsim.scene.types import ActiveEffect, Scene
 
 _ROLES: Mapping[str, Callable[[Scene, Parts], bool]] = {  # conditions on a scene that no single key expresses
-    HEATED[0]: lambda scene, parts: any("T_oil" in active.effect.states for active in scene.effects.values()),
+    HEATED[0]: lambda scene, parts: oil_in_chambers(scene.effects),
     CHANGED[0]: lambda scene, parts: bool(parts.all(SuctionChange)) or parts.suction_line,
     WALLED[0]: lambda scene, parts: bool(parts.walls),
     HELD[0]: lambda scene, parts: parts.dissolves,

@@ -41,13 +41,9 @@ class IdealGas(CommonGas):
     phased_state = None  # one phase
     varies = False  # exponent and choking are the same everywhere
 
-    @property
+    @once
     def values(self) -> dict[str, float]:
         """Values of the kernels' arguments beside T and rho."""
-        return self._values
-
-    @once
-    def _values(self) -> dict[str, float]:
         choke, choked = self.choked
         return {
             "R_gas": self.R,

@@ -61,13 +61,9 @@ class MoistAir(CompiledGas):
     def _text(self) -> Mapping[str, Kernel]:
         return states.kernels(self.dry.state, self.dry.specific_entropy, self.c_water is None)
 
-    @property
+    @cached_property
     def values(self) -> Mapping[str, float]:
         """Values of the kernels' arguments; liquid water at 273.16 K has zero enthalpy and entropy."""
-        return self._values
-
-    @cached_property
-    def _values(self) -> Mapping[str, float]:
         own = {} if self.c_water is None else {"c_water": self.c_water}
         _rho, h, s, _c = self._text["liquid"](water.T_TRIPLE, *own.values())
         return {**self.dry.values, "y_water": self.share, "u_water": -h, "s_water": -s, **own}

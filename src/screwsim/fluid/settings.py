@@ -9,6 +9,7 @@ from screwsim.inputs.declare import choice, fluid, number, numbers, quantity
 
 COLDEST, HOTTEST = 150.0, 700.0  # [K] range of oil temperatures that are accepted
 REFUSE, EQUILIBRIUM = "refuse", "equilibrium"  # options of `gas.two_phase`
+AIR = "air"
 CARRIED = "carried"  # option of `oil.transport`, beside the paper's
 
 
@@ -56,6 +57,11 @@ class GasSettings:
         ge=0.0,
         hardly=(0.0, 30.0),
     )
+
+    @property
+    def is_air(self) -> bool:
+        """Whether the gas is air."""
+        return self.name.lower() == AIR
 
     @property
     def equilibrium(self) -> bool:

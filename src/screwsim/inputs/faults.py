@@ -21,6 +21,11 @@ class Fault:
         return f"{self.path}: {self.what}"
 
 
+def given_twice(path: str, other: str) -> Fault:
+    """Return the fault of an input that is given as well as another one, which states the same."""
+    return Fault(path, f"is given as well as {other} (remove one of the two; null drops a base's value)")
+
+
 class SceneError(Exception):
     """Report the faults of a scene; `lines` are all of them, ready to print (`FILE:LINE:COLUMN: PATH: what`).
 

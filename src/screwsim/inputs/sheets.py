@@ -73,9 +73,9 @@ class Sheet:
         return [dict(zip(self.names, row.cells, strict=True)) for row in self.rows]
 
 
-def read_sheet(path: str | os.PathLike[str], most: int = MOST_TABLE) -> Sheet:
+def read_sheet(path: str | os.PathLike[str]) -> Sheet:
     """Return the table in a CSV file in UTF-8; raise Unreadable, or BadSheet with the line at fault."""
-    return sheet_of(read_text(path, most))
+    return sheet_of(read_text(path, MOST_TABLE))
 
 
 @contextmanager

@@ -11,7 +11,7 @@ from functools import lru_cache
 from typing import Any
 
 from screwsim.inputs.declare import Derived, DerivedCount, DerivedWord, is_derived
-from screwsim.inputs.faults import Fault, UsageError
+from screwsim.inputs.faults import Fault, UsageError, given_twice
 from screwsim.machine.geometry import Geometry
 from screwsim.machine.moved_port import LAST, PATH
 from screwsim.machine.paper_law import TURN
@@ -167,8 +167,8 @@ def _of_family(machine: TwinScrew) -> Iterator[Fault]:
         return
     for name in LENGTHS:
         if own_value(getattr(profile, name)) is not None:
-            what = f"{beside}, whose rotors follow from rotor_diameter"
-            yield Fault(f"machine.profile.{name}", f"{what} (remove one of the two; null drops a base's value)")
+            known = "machine.profile.family, whose rotors follow from rotor_diameter"
+            yield given_twice(f"machine.profile.{name}", known)
     if own_value(profile.kind) not in (None, family.kind):
         yield Fault("machine.profile.kind", f"{beside}: {profile.family}, which is {family.kind} (remove it)")
     for name in ("male_lobes", "female_lobes"):
@@ -180,15 +180,15 @@ def _of_family(machine: TwinScrew) -> Iterator[Fault]:
 def _of_displacement(machine: TwinScrew) -> Iterator[Fault]:
     if machine.displacement is None:
         return
-    path, remedy = "machine.displacement", "remove one of the two; null drops a base's value"
+    path = "machine.displacement"
     if not machine.volume.from_rotors:
         if own_value(machine.volume.max) is not None:
-            yield Fault("machine.volume.max", f"is given as well as {path}, which states it already ({remedy})")
+            yield given_twice("machine.volume.max", f"{path}, which states it already")
     elif machine.family is None:
         what = "needs machine.profile.family: this profile states the size of its rotors by lengths"
         yield Fault(path, f"{what} (write family: b, or remove it)")
     elif own_value(machine.rotor_diameter) is not None:
-        yield Fault("machine.rotor_diameter", f"is given as well as {path}, which states it already ({remedy})")
+        yield given_twice("machine.rotor_diameter", f"{path}, which states it already")
 
 
 def _of_ratio(machine: TwinScrew) -> Iterator[Fault]:
@@ -201,8 +201,7 @@ def _of_ratio(machine: TwinScrew) -> Iterator[Fault]:
         return
     for name in ("opens", "phi_C"):
         if own_value(getattr(port, name)) is not None:
-            what = f"is given as well as {PATH}, from which it follows"
-            yield Fault(f"machine.discharge_port.{name}", f"{what} (remove one of the two; null drops a base's value)")
+            yield given_twice(f"machine.discharge_port.{name}", f"{PATH}, from which it follows")
     law, ratio = machine.volume, machine.built_in_volume_ratio or 0.0
     known = law.phi_A is not None and 0.0 < law.phi_A <= TURN if law.by_formula else law.file is not None
     known = known and bool(law.max or machine.displacement is not None)

@@ -45,13 +45,9 @@ class Geometry(MachineGeometry):
         """Return the mean speed at which the housing slides past tips or end faces, over the male tip speed (M256)."""
         return wall_speeds(self.settings).get(gap, 0.0)
 
-    @property
+    @cached_property  # read a thousand times a cycle
     def profile(self) -> LaidCurves | None:
         """The curves that the rotor profile gives by angle; None where the volume follows another law."""
-        return self._profile
-
-    @cached_property  # read a thousand times a cycle
-    def _profile(self) -> LaidCurves | None:
         if not self.settings.volume.from_rotors:
             return None
         # here: rotors take long to import, and closed forms need none

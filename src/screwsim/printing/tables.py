@@ -14,7 +14,7 @@ NARROWEST = 12  # least width of a first column that has others beside it
 LEAST_SHOWN_CHANCE = 1e-6  # of a misfit
 
 
-def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int = 0) -> list[str]:
+def plain_table(heads: Sequence[str], rows: Iterable[Sequence[str]], left: int) -> list[str]:
     """Return the lines of a table: the first `left` columns aligned to the left, the others to the right.
 
     Columns are two spaces apart, or one if the table would be wider than the terminal; heads break between words. A

@@ -21,7 +21,7 @@ from screwsim.report.rotors import draw_rotors
 from screwsim.report.rotors_page import page
 from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.protection import protect_other_text
-from screwsim.scene import scene_text
+from screwsim.scene import scene_text, without_sweep
 from screwsim.scene.types import ActiveEffect, Scene
 
 TABLE_WIDTH = 79  # line width of the table, for a terminal
@@ -157,7 +157,7 @@ def table_files(scene: Scene, folder: Path) -> dict[str, str]:
         parameters = replace(effects["slide_valve"].parameters, area_file=str(folder.resolve() / "slide_valve.csv"))
         effects["slide_valve"] = replace(effects["slide_valve"], parameters=parameters)
     machine = _tabled_curves(scene, laid, folder.resolve())
-    tabled = replace(scene, machine=machine, effects=effects, sweep={}, folder=str(folder.resolve()))
+    tabled = replace(without_sweep(scene), machine=machine, effects=effects, folder=str(folder.resolve()))
     return {**files, "scene.yaml": _TABLE_NOTE + scene_text(tabled)}
 
 

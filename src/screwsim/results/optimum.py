@@ -10,6 +10,11 @@ from screwsim.results.netcdf import Layout, number_attributes, set_attributes
 
 EVALUATION, POINT = "evaluation", "point"  # names of dimensions
 AIM, ERROR, EXCESS = "aim_", "error_", "excess_"  # prefixes of names
+EXCESS_MEANING = "by how much {} exceeds its bound; negative inside"
+FLAGS = {
+    "feasible": "1: it has results and satisfies all bounds",
+    "front": "1: feasible, and no other is better in all aims",
+}
 
 
 @dataclass(frozen=True)
@@ -39,10 +44,8 @@ def write_optimum(layout: Layout, found: EvaluationColumns) -> None:
         told = Variable(found.units[name], f"estimated numerical error of {name.replace('_', ' ')}, absolute")
         layout.variable(group, ERROR + name, found.errors[name], (EVALUATION,), number_attributes(told))
     for name, values in found.excess.items():
-        told = Variable(found.units[name], f"by how much {name} exceeds its bound; negative inside")
+        told = Variable(found.units[name], EXCESS_MEANING.format(name))
         layout.variable(group, EXCESS + name, values, (EVALUATION,), number_attributes(told))
-    for name, values, says in (
-        ("feasible", found.feasible, "1: it has results and satisfies all bounds"),
-        ("front", found.front, "1: feasible, and no other is better in all aims"),
-    ):
-        layout.variable(group, name, values.astype(np.int8), (EVALUATION,), {"units": "1", "long_name": says})
+    for name, values in (("feasible", found.feasible), ("front", found.front)):
+        about = {"units": "1", "long_name": FLAGS[name]}
+        layout.variable(group, name, values.astype(np.int8), (EVALUATION,), about)

@@ -83,7 +83,7 @@ class _malformed_on_error:
             raise MalformedFile(f"is damaged: {_item_name(self._item, self._name)} cannot be read") from error
 
 
-def _item_name(item: Any, name: str = "") -> str:
+def _item_name(item: Any, name: str) -> str:
     """Return the position of an item: `/group/variable`, or an attribute after an @."""
     place = str(item.name)
     return f"{place}{name}" if name.startswith("@") else f"{place.rstrip('/')}/{name}" if name else place

@@ -11,6 +11,7 @@ from screwsim.scene.grid import (
     read_value,
     with_sweep_over,
     with_values,
+    without_sweep,
 )
 from screwsim.scene.lines import lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.load import SceneLike, load, loads, scene_of

@@ -10,7 +10,7 @@ from screwsim.effects.parts.usual import PUMPS
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.orifice import FITTED_SLENDERNESS, NO_FLOW
 from screwsim.inputs.declare import AREA, VOLUME, FoundWithCycle
-from screwsim.inputs.faults import Fault, UsageError
+from screwsim.inputs.faults import Fault, UsageError, given_twice
 from screwsim.machine.kinds import check_machine, kind_of, kinds_offering
 from screwsim.machine.protocol import OIL
 from screwsim.outputs.customary import in_celsius
@@ -96,8 +96,7 @@ def oil_faults(scene: Scene) -> Iterator[Fault]:
     for field, example in (("density", "980 kg/m^3"), ("heat_capacity", "2.0 kJ/(kg K)"), ("viscosity", "")):
         value, path = getattr(oil, field), f"oil.{field}"
         if oil.name is not None and value is not None:
-            what = "is given as well as oil.name, which defines it"
-            yield Fault(path, f"{what} (remove one of the two; null drops a base's value)")
+            yield given_twice(path, "oil.name, which defines it")
         elif oil.name is None and value is None and example:
             remedy = f"write e.g. {field}: {example}, or the name of a stored oil, e.g. oil.name: POE_68"
             yield Fault(path, f"is missing ({remedy})")
@@ -149,8 +148,7 @@ def _pump(scene: Scene) -> Iterator[Fault]:
         beside = "oil_supply.ratio" if supply.ratio is not None and not isinstance(supply.ratio, FoundWithCycle) else ""
         beside = beside or ("oil_supply.discharge_temperature" if supply.discharge_temperature is not None else "")
         if beside:
-            what = f"is given as well as {beside} (remove one of the two; null drops a base's value)"
-            yield Fault("oil_supply.flow", what)
+            yield given_twice("oil_supply.flow", beside)
     for name, default in (("orifice_diameter", None), ("orifice_length", None), ("orifice_count", 1.0)):
         if getattr(supply, name) != default:
             yield Fault(f"oil_supply.{name}", "applies only to kind: displacement (remove it, or change the kind)")

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from screwsim.inputs.declare import Derived, is_derived
-from screwsim.inputs.faults import Fault
+from screwsim.inputs.faults import Fault, given_twice
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.settings import TwinScrew
 from screwsim.scene.types import Scene
@@ -53,7 +53,6 @@ def _of_speed(scene: Scene) -> Iterator[Fault]:
         what = f"applies only to screw rotors, which a {scene.machine.kind} does not have (write speed: … rpm)"
         yield Fault(TIP_SPEED, what)
     elif operation.speed is not None and not is_derived(operation.speed):
-        remedy = "remove one of the two; null drops a base's value"
-        yield Fault(TIP_SPEED, f"is given as well as {SPEED}, which it states already ({remedy})")
+        yield given_twice(TIP_SPEED, f"{SPEED}, which it states already")
     if SPEED in scene.sweep:
         yield Fault(f"sweep.{SPEED}", f"has no meaning with {TIP_SPEED} (vary that one, or state the speed)")

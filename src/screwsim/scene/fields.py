@@ -91,6 +91,11 @@ def leaf_paths(parameters: Mapping[str, type], kind: str = TWIN_SCREW) -> dict[s
     return found
 
 
+def catalogue_leaves(kind: str = TWIN_SCREW) -> dict[str, Leaf]:
+    """Return {dotted path: leaf} of a scene with that kind of machine and every effect of the catalogue."""
+    return leaf_paths({name: effect.parameters for name, effect in catalogue().items()}, kind)
+
+
 @cache
 def _scene_leaves(kind: str) -> Mapping[str, Leaf]:
     return dict(_leaves(scene_section(kind), ""))
@@ -136,7 +141,7 @@ def value_at(scene: Scene, path: str) -> Any:
 
 
 def sweep_leaf(
-    path: str, parameters: Mapping[str, type], kind: str = TWIN_SCREW, before: str = "", fixed: tuple[str, ...] = ()
+    path: str, parameters: Mapping[str, type], kind: str, before: str = "", fixed: tuple[str, ...] = ()
 ) -> Leaf:
     """Return the leaf of a path that may be varied; raise `Refused`.
 

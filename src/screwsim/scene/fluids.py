@@ -17,7 +17,6 @@ from screwsim.scene.values import convert, shown
 
 HUMIDITY, MARGIN = "gas.relative_humidity", "gas.dew_point_margin"
 AFTERCOOLER = "operation.aftercooler_temperature"
-AIR = "air"
 HIGHEST_PRESSURE = 1e7  # [Pa] highest pressure of the lines: beyond it third virial coefficients matter (M324)
 FRACTION_SUM_TOLERANCE = 1e-6  # tolerance on the sum of fractions
 _PURE = "is not a fluid or predefined blend of CoolProp"
@@ -131,7 +130,7 @@ def humidity_faults(gas: GasSettings, aftercooler: float | None) -> Iterator[Fau
             if value is not None:
                 yield Fault(path, f"needs {HUMIDITY} (write e.g. relative_humidity: 0.6 there, or remove this)")
         return
-    if gas.name.lower() != AIR:
+    if not gas.is_air:
         what = f"applies only to air, and the gas is {gas.name}"
         yield Fault(HUMIDITY, f"{what} (remove it, or write fluid: air; null drops a base's value)")
     elif "." in gas.model:

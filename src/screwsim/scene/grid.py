@@ -84,6 +84,11 @@ def with_sweep_over(scene: HasSweep, paths: Iterable[str]) -> HasSweep:
     return with_changes(cut, joints=joints_of(cut))
 
 
+def without_sweep(scene: HasSweep) -> HasSweep:
+    """Return a scene, or two in series, without the sweep."""
+    return with_changes(scene, sweep={}, joints=())
+
+
 def without_axes(scene: HasSweep, paths: Container[str]) -> HasSweep:
     """Return a scene, or two in series, with the axes of its sweep other than the given paths."""
     return with_sweep_over(scene, [path for path in scene.sweep if path not in paths])
@@ -115,7 +120,7 @@ def values_of(scene: Swept, cases: range) -> list[tuple[Any, ...]]:
 
 def case(scene: Scene, index: int) -> Scene:
     """Return one case of the grid, as a scene without a sweep and without its text (`scene_text` creates it)."""
-    return with_values(with_changes(scene, sweep={}, joints=(), text=""), case_values(scene, index))
+    return with_values(with_changes(without_sweep(scene), text=""), case_values(scene, index))
 
 
 def with_values(scene: Scene, values: Mapping[str, Any]) -> Scene:

@@ -93,7 +93,7 @@ def load(
         return loads(yaml_text(path), DICT_NAME, overrides=overrides, without=without)
     name = shipped_name(path)
     problems = LocatedFaults()
-    start = Position(0, name, folder=os.path.dirname(os.path.abspath(name)))
+    start = Position.start_of(name)
     root = _read_file(name, start, (os.path.realpath(name),), problems)
     return _finish(root, start, overrides, without, problems, stage)
 

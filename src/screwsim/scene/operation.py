@@ -7,7 +7,7 @@ from screwsim.fluid import constants, names
 from screwsim.fluid.constants import Limits
 from screwsim.fluid.models import condenses, find_gas_model
 from screwsim.inputs.declare import KINDS
-from screwsim.inputs.faults import Fault, UsageError
+from screwsim.inputs.faults import Fault, UsageError, given_twice
 from screwsim.outputs.customary import in_bar, in_celsius
 from screwsim.scene.fluids import fluid_faults, humidity_faults, line_faults
 from screwsim.scene.lines import lines, refrigerating_effect
@@ -100,8 +100,7 @@ def _temperatures_complete(scene: Scene) -> Iterator[Fault]:
 def _instead_of_a_condenser(scene: Scene) -> Iterator[Fault]:
     """Yield faults of what cannot be combined with a gas cooler."""
     for path in _is_given(scene, (CONDENSING, SUBCOOLING)):
-        what = "is given as well as operation.gas_cooler, which states pressure and temperature itself"
-        yield Fault(path, f"{what} (remove one of the two; null drops a base's value)")
+        yield given_twice(path, "operation.gas_cooler, which states pressure and temperature itself")
     if scene.machine.expands:
         yield Fault(GAS_COOLER, "applies only to machine.mode: compressor (state the lines by pressures, or remove it)")
 

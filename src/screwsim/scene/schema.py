@@ -9,7 +9,7 @@ from typing import Any
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import AUTO, KINDS, Kind
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
-from screwsim.scene.fields import SWEEPABLE, Leaf, Section, leaf_paths, scene_section, section_of, varies
+from screwsim.scene.fields import SWEEPABLE, Leaf, Section, catalogue_leaves, scene_section, section_of, varies
 from screwsim.scene.model_errors import BLOCK, MODEL, stored_model_errors
 from screwsim.scene.sweep import KINDS as SAMPLES
 from screwsim.scene.sweep import LARGEST_SAMPLE
@@ -200,8 +200,7 @@ def sweep_schema(
 
     `own` is the pattern of the names of own effects' inputs.
     """
-    parameters = {name: effect.parameters for name, effect in catalogue().items()}
-    known = {path: leaf for kind in MACHINES for path, leaf in leaf_paths(parameters, kind).items()}
+    known = {path: leaf for kind in MACHINES for path, leaf in catalogue_leaves(kind).items()}
     leaves = {name: leaf for path, leaf in known.items() if varies(path, leaf) for name in names(path)}
     leaves |= more
     axes = {path: _axis_of(leaf) for path, leaf in leaves.items()}

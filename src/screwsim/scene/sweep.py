@@ -109,9 +109,7 @@ def read_axes(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, d
     return axes
 
 
-def read_zip(
-    node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, first: str = _SPEED
-) -> list[tuple[Joint, Axes]]:
+def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, first: str) -> list[tuple[Joint, Axes]]:
     """Return the groups of axes whose values are combined one by one, each with its joint."""
     remedy = f"write [{{{first}: […], {first.removesuffix(_SPEED)}oil_supply.ratio: […]}}]"
     if not isinstance(node.value, list) or not all(isinstance(group.value, dict) for group in node.value):
@@ -131,16 +129,13 @@ def read_zip(
 
 
 def read_sample(
-    node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, first: str = _SPEED
+    node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, first: str
 ) -> tuple[Joint, Axes] | None:
     """Return a sample with its values, or None after faults were added."""
     remedy = f"write {{kind: sobol, count: 64, seed: 1, over: {{{first}: {{from: 1000 rpm, to: 3000 rpm}}}}}}"
-    if not isinstance(node.value, dict):
-        problems.add(node.place, path, f"{shown(node.value)} is not a mapping ({remedy})")
-        return None
     before = len(problems)
     given = read_fields(_FIELDS, node, path, problems, remedy, also=("over",))
-    over = _over(node, join(path, "over"), leaf_of, problems, remedy)
+    over = _over(node, join(path, "over"), leaf_of, problems, remedy) if isinstance(node.value, dict) else ()
     if given is None or len(problems) > before:
         return None
     if given["kind"] == "sobol" and given["count"] & (given["count"] - 1):

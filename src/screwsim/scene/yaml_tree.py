@@ -6,6 +6,7 @@ Scalars follow YAML 1.2: `1e-3` is a number and `no` a string. Faults are collec
 from __future__ import annotations
 
 import math
+import os
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -46,6 +47,11 @@ class Position:
 
     def __str__(self) -> str:
         return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
+
+    @classmethod
+    def start_of(cls, file: str) -> Position:
+        """Return the first position in a file, to whose folder the names in it are relative."""
+        return cls(0, file, folder=os.path.dirname(os.path.abspath(file)))
 
     def at(self, line: int, column: int) -> Position:
         """Return another position in the same source."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import Result
-from screwsim.scene import Scene, cross_check, with_values
+from screwsim.scene import Scene, cross_check, with_values, without_sweep
 from screwsim.scene.fields import value_at
 from screwsim.study.pool.parallel import WarmSimulation
 
@@ -96,7 +96,7 @@ def controls(scene: Scene) -> list[Control]:
 
     The values of a sweep over one of them are its settings.
     """
-    base, found = replace(scene, sweep={}, joints=()), []
+    base, found = without_sweep(scene), []
     for path, (name, end) in CONTROL_ENDS.items():
         own = value_at(base, path) if _has(base, path) else None
         if own is None:

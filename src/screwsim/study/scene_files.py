@@ -28,7 +28,7 @@ VALUE_DIGITS = 7  # of a fitted value: far below its error
 FITTED_LINE = "# Fitted by: screwsim calibrate"  # start of a scene that a calibration wrote
 
 
-def check_scene_file(path: Path, option: str = "-o", own: str = "") -> None:
+def check_scene_file(path: Path, option: str, own: str = "") -> None:
     """Raise UsageError where no scene may be written: wrong suffix, a file that no study wrote, or a refused place.
 
     A base of the scene file `own` is such a place: the scene would become another one, or its own base.
@@ -77,7 +77,7 @@ def files_of_stages(path: Path) -> dict[str, Path]:
     return {stage: path.with_name(f"{_stem(path)}_{stage}.yaml") for stage in STAGE_NAMES}
 
 
-def check_found_stages(path: Path, option: str = "-o") -> None:
+def check_found_stages(path: Path, option: str) -> None:
     """Raise UsageError where two stages cannot be written, or where another two-stage file names the same scenes."""
     scenes = files_of_stages(path)
     for file in (path, *scenes.values()):

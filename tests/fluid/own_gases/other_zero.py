@@ -27,7 +27,7 @@ class OtherZero(IdealGas):
 
     @property
     def values(self):
-        return {**self._values, "zero_gas": self.c_p * T_ZERO}
+        return {**super().values, "zero_gas": self.c_p * T_ZERO}
 
     def enthalpy(self, p, T):
         return self.c_p * (T - T_ZERO)

@@ -1,15 +1,11 @@
 """The three reference pairs of docs/reference/rotors.md: (a) symmetric 4/6, (b) asymmetric 4/6, (c) asymmetric 5/6."""
 
 import math
-import sys
-from pathlib import Path
 
 import pytest
 
 from screwsim.machine.rotors.rotors import Rotors, make_rotors
 from screwsim.machine.rotors.settings import Profile
-
-sys.path.insert(0, str(Path(__file__).parent))  # `solids`, whatever the import mode
 
 MM, DEG = 1e-3, math.pi / 180.0
 

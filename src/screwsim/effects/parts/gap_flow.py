@@ -18,6 +18,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from screwsim.effects.base import Around, Resistance
+from screwsim.effects.parts.oil import oil_in_chambers
 from screwsim.fluid import gap_flow
 from screwsim.fluid.transport import viscosity as vapour_viscosity
 from screwsim.inputs.faults import Fault, UsageError
@@ -151,7 +152,7 @@ def oil_faults(path: str, model: str, facts: Any, *, viscous: bool = True) -> It
         return
     if not facts.oil.carried:
         yield Fault(f"{path}.model", f"{model} needs oil.transport: carried (write that, or choose another model)")
-    if not any("T_oil" in active.effect.states for active in facts.effects.values()):
+    if not oil_in_chambers(facts.effects):
         yield Fault(f"{path}.model", f"{model} needs oil in the chambers (add e.g. effects.oil_heat)")
     if viscous and not facts.oil.knows_viscosity:
         yield Fault("oil.viscosity", f"is missing ({path}.model: {model} needs it, or oil.name)")

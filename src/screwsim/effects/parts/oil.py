@@ -87,3 +87,8 @@ class OilRoom:
     """
 
     remedy: str = ""
+
+
+def oil_in_chambers(effects: Mapping[str, Any]) -> bool:
+    """Return whether oil is in the chambers: whether its temperature is a state of one of a scene's effects."""
+    return any("T_oil" in active.effect.states for active in effects.values())

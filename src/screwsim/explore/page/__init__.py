@@ -15,7 +15,7 @@ _SHARED = ("dom", "numbers", "ledger", "theme")  # with the report's page
 _SCRIPTS = (*_SHARED, "number", "chart", "machine", "controls", "show", "around", "state", "line", "start")
 
 
-def page_text(base: SceneArguments, slopes: bool = True) -> str:
+def page_text(base: SceneArguments, slopes: bool) -> str:
     """Return the page of a scene; @NONCE@ marks the place of its policy's single-use number.
 
     `slopes` tells whether the server has a separate worker for derivatives.

@@ -146,7 +146,7 @@ class RubberCordCoupling:
         starts = (central_angle(lean, r_A, r_B) for lean in (self.lean_plus, -self.lean_minus))
         return max(strain(start + theta, start, r_A, r_B) for start in starts)
 
-    def twist_at_strain(self, eps: float, direction: int = 1) -> float:
+    def twist_at_strain(self, eps: float, direction: int) -> float:
         """Return the twist [rad] at which the cords of a direction (1 or −1) reach a strain (K10)."""
         r_A, r_B = self.inner_radius, self.outer_radius
         start = central_angle(self.lean_plus if direction > 0 else self.lean_minus, r_A, r_B)
@@ -234,10 +234,10 @@ class TorqueBand(NamedTuple):
     largest: float
 
 
-def torque_band(coupling: RubberCordCoupling, theta: float, low: float, high: float, leans: int = 21) -> TorqueBand:
+def torque_band(coupling: RubberCordCoupling, theta: float, low: float, high: float) -> TorqueBand:
     """Return the torques at a twist of couplings whose cords lean by angles between low and high [rad] (K14)."""
     values = [
         replace(coupling, lean_plus=float(lean), lean_minus=float(lean)).torque(theta)
-        for lean in np.linspace(low, high, leans)
+        for lean in np.linspace(low, high, 21)
     ]
     return TorqueBand(min(values), float(np.mean(values)), max(values))

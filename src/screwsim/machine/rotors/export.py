@@ -8,6 +8,7 @@ from screwsim.machine.rotors.curves import Curve, Curves
 from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.rotors import Rotors
 
+VOLUME_RATIOS = 2.2, 2.6, 3.2, 4.0  # usual built-in ones
 _COLUMN = {"m^3": "volume_m3", "m^2": "area_m2", "m": "length_m"}
 
 
@@ -57,10 +58,10 @@ def outline_dxf(x: Array, y: Array) -> str:
     return "\n".join([*head, "0", "SEQEND", "0", "ENDSEC", "0", "EOF", ""])
 
 
-def coefficients_csv(rotors: Rotors, volume_ratios: tuple[float, ...] = (2.2, 2.6, 3.2, 4.0)) -> str:
-    """Return the coefficients, and φ_dis (own angle) for built-in volume ratios, as CSV."""
+def coefficients_csv(rotors: Rotors) -> str:
+    """Return the coefficients, and φ_dis (own angle) for usual built-in volume ratios, as CSV."""
     rows = [f"{name},{value:.8g},{unit},{about}" for name, (value, unit, about) in rotors.coefficients().items()]
-    for ratio in volume_ratios:
+    for ratio in VOLUME_RATIOS:
         angle = rotors.discharge_angle(ratio) - rotors.start
         rows.append(f"discharge_angle_{ratio:g},{angle:.8g},rad,own angle at which the port opens for Vi = {ratio:g}")
     return "name,value,unit,meaning\n" + "\n".join(rows) + "\n"

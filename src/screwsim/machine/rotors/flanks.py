@@ -36,7 +36,7 @@ class Flanks:
         return self.turn - self.inner
 
 
-def spaced(low: float, high: float, points: int = POINTS) -> Array:
+def spaced(low: float, high: float, points: int) -> Array:
     """Return radii from low to high, dense at both ends, where flanks merge into circles."""
     return low + 0.5 * (high - low) * (1.0 - np.cos(np.linspace(0.0, math.pi, points)))
 

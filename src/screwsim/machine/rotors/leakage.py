@@ -201,10 +201,10 @@ def mirrored(chain: Chain) -> Chain:
     return Chain(-chain.psi[::-1], chain.x[::-1], -chain.y[::-1], last - chain.trail, last - chain.lead, edges)
 
 
-def blow_hole_opening(pair: Pair, chain: Chain, points: int = POINTS) -> BlowHoleOpening:
+def blow_hole_opening(pair: Pair, chain: Chain) -> BlowHoleOpening:
     """Return the open angles along the line from the cusp H to S, the end of the contact on the trailing flank."""
     H, S = pair.cusp, (float(chain.x[chain.trail]), float(chain.y[chain.trail]))
-    part = np.linspace(0.0, 1.0, points) ** 2  # dense at H: flanks leave the outer circles as √s
+    part = np.linspace(0.0, 1.0, POINTS) ** 2  # dense at H: flanks leave the outer circles as √s
     x, y = H[0] + part * (S[0] - H[0]), H[1] + part * (S[1] - H[1])
     rho1, rho2 = np.hypot(x, y), np.hypot(pair.centre_distance - x, y)
     mx, my = chain.male

@@ -92,9 +92,9 @@ class Cell:
         """Add a stream with the port state of its source."""
         to.add("flow = area * flux")
         with to.within("if flux >= 0.0"):
-            flows.add_stream(to, self.network, inward, "flow", beyond)
+            flows.add_flow(to, self.network, inward, beyond)
         with to.within("else"):
-            flows.add_stream(to, self.network, outward, "flow", self.own)
+            flows.add_flow(to, self.network, outward, self.own)
 
     def begin(self, to: Statements, sums: list[str]) -> None:
         """Set sums to zero."""

@@ -78,9 +78,9 @@ def stream_terms(to: Statements, network: Network, stream: str, source: PortStat
     return terms
 
 
-def add_stream(to: Statements, network: Network, sums: str, stream: str, source: PortState) -> None:
-    """Add a stream of a port state to sums."""
-    for quantity, term in stream_terms(to, network, stream, source).items():
+def add_flow(to: Statements, network: Network, sums: str, source: PortState) -> None:
+    """Add a stream, `flow` [kg/s], of a port state to sums."""
+    for quantity, term in stream_terms(to, network, "flow", source).items():
         to.add(f"{quantity}_{sums} += {term}")
 
 

@@ -32,7 +32,7 @@ class Layout:
 
     # ---- names -------------------------------------------------------------------------------------------------
 
-    def of_path(self, path: Port | Gap, way: str = "") -> str:
+    def of_path(self, path: Port | Gap, way: str) -> str:
         """Return the name of a port, or of one side of a gap."""
         return f"{self.label(path)}_{way}" if way else self.label(path)
 

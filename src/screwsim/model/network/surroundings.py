@@ -26,7 +26,7 @@ def surroundings_kernels(network: Network) -> list[Kernel]:
 def surroundings_text(to: Statements, network: Network) -> None:
     """Fill E for a chamber at phi [rad]: volume, areas of openings, port states of neighbours (M1, M24)."""
     layout = Layout(network)
-    _of_angle(to, network, "phi", "middle")
+    _of_angle(to, network, "middle")
     for port in network.ports:
         to.add(f"E[{layout.area(port)}] = {layout.area_at(port, 'phi')}")
     if network.pulsating:
@@ -57,17 +57,17 @@ def surroundings_together_text(to: Statements, network: Network) -> None:
     layout = Layout(network)
     with to.within("for j in range(CHAMBERS)"):
         to.add("e = j * E_CHAMBER", "phi = s + j * P[P_PITCH]")
-        _of_angle(to, network, "phi", "middle + j * P[P_PITCH]", "e + ")
+        _of_angle(to, network, "middle + j * P[P_PITCH]", "e + ")
         for each in (*network.ports, *network.gaps):
             to.add(f"E[e + {layout.area(each)}] = {layout.area_at(each, 'phi')}")
     if network.pulsating:
         to.add("chambers__lines(s, P, R, E)")
 
 
-def _of_angle(to: Statements, network: Network, phi: str, middle: str, e: str = "") -> None:
-    """Set what depends on the angle alone; oil is present after the injection angle."""
-    to.add(f"E[{e}E_ANGLE] = {phi}")
-    to.add(f"E[{e}E_VOLUME] = volume_at({phi}, P, TAB)", f"E[{e}E_SLOPE] = volume_slope_at({phi}, P, TAB)")
+def _of_angle(to: Statements, network: Network, middle: str, e: str = "") -> None:
+    """Set what depends on the angle `phi` alone; oil is present after the injection angle."""
+    to.add(f"E[{e}E_ANGLE] = phi")
+    to.add(f"E[{e}E_VOLUME] = volume_at(phi, P, TAB)", f"E[{e}E_SLOPE] = volume_slope_at(phi, P, TAB)")
     if network.heated and not network.carried:
         to.add(f"E[{e}E_OILED] = 1.0 if {middle} > P[P_INJECTION] else 0.0")
 

@@ -16,7 +16,7 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.machine.kinds import kind_of, twin_screw
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import Result
-from screwsim.scene import Scene, scene_text, with_values
+from screwsim.scene import Scene, with_values
 from screwsim.scene.checks import cross_check
 from screwsim.simulate import simulate
 from screwsim.study.accuracy.measure import (
@@ -31,6 +31,7 @@ from screwsim.study.accuracy.measure import (
     time_of,
 )
 from screwsim.study.accuracy.solving import QUICK_SCOPE, Case, Scope, all_cases, omitted_methods
+from screwsim.study.asked.varied import with_text
 from screwsim.study.pool.progress import Progress
 from screwsim.study.sweep import run_sweep
 
@@ -229,8 +230,7 @@ def sweep_times(scene: Scene, points: int) -> SizeCost:
     """Return the wall time of a whole sweep over the speed, worker processes and file included."""
     low, high = (1.0 - SPEED_RANGE, 1.0 + SPEED_RANGE) if points > 1 else (1.0, 1.0)
     speeds = tuple(float(each) for each in scene.operation.speed * np.linspace(low, high, points))
-    swept = replace(scene, sweep={"operation.speed": speeds})
-    swept = replace(swept, text=scene_text(swept))
+    swept = with_text(replace(scene, sweep={"operation.speed": speeds}))
     with tempfile.TemporaryDirectory() as folder:
         started = time.perf_counter()
         run_sweep(swept, Path(folder) / "sweep.h5")

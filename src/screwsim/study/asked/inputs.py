@@ -99,6 +99,12 @@ def shown_range(scene: Varied, path: str, low: Any, high: Any) -> str:
     return " … ".join(shown_value(scene, path, end) for end in (low, high))
 
 
+def refuse_empty_range(scene: Varied, path: str, low: float, high: float, where: str) -> None:
+    """Raise UsageError, behind `where`, unless the lower end [SI] of a range of a path is below the upper one."""
+    if not low < high:
+        raise UsageError(f"{where}: the range {shown_range(scene, path, low, high)} is empty (LOW must be below HIGH)")
+
+
 def shown_number(scene: Varied, path: str, value: Any, digits: int = 4) -> str:
     """Return a value [SI] of a path as `shown_value` does, without its unit."""
     number, unit = in_customary(scene, path, value)

@@ -16,7 +16,7 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene
 from screwsim.scene.sizes import sizes_of
 from screwsim.scene.values import text_of
-from screwsim.study.asked.inputs import check_continuous, ends_of, read_text, shown_range
+from screwsim.study.asked.inputs import check_continuous, ends_of, read_text, refuse_empty_range
 from screwsim.study.asked.varied import Varied, leaf_of, read_value, value_at
 
 LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search uses the logarithm
@@ -159,9 +159,7 @@ def read_ranges(
             low, high = default(path)
         else:
             raise UsageError(stated)
-        if not low < high:
-            shown = shown_range(scene, path, low, high)
-            raise UsageError(f"{option} {path}: the range {shown} is empty (LOW must be below HIGH)")
+        refuse_empty_range(scene, path, low, high, f"{option} {path}")
         found[path] = span_of(scene, path, low, high)
     if not found:
         raise UsageError(f"nothing varies (write one or more {option} PATH=LOW..HIGH)")

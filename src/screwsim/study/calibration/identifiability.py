@@ -101,7 +101,7 @@ def _inverse(s: Array) -> Array:
 
 
 def undetermined_combinations(
-    parameters: Sequence[Parameter], slopes: Array, apart: Array, together: Sequence[Sequence[int]] = ()
+    parameters: Sequence[Parameter], slopes: Array, apart: Array, together: Sequence[Sequence[int]]
 ) -> tuple[tuple[float, ...], tuple[UndeterminedCombination, ...]]:
     """Return singular values of the slopes over the largest, and what the data cannot separate.
 

@@ -30,7 +30,7 @@ def points_to_predict(fit: Fit, file: str | os.PathLike[str], option: str = "pre
 
 
 def posterior_with_predictions(
-    found: Calibration, points: Sequence[Point] = (), *, jobs: int | None = None, progress: Progress | None = None
+    found: Calibration, points: Sequence[Point], *, jobs: int | None, progress: Progress | None = None
 ) -> Posterior:
     """Return the posterior of a fit, with predictions at points where there are any."""
     wide = posterior(found, jobs=jobs, progress=progress)

@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from screwsim.effects import catalogue
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
-from screwsim.scene import Scene, cross_check, leaf_of, load
+from screwsim.scene import Scene, cross_check, leaf_of, load, without_sweep
 from screwsim.scene.axis import SPACING, read_fields
-from screwsim.scene.fields import Leaf, leaf_paths
+from screwsim.scene.fields import Leaf, catalogue_leaves
 from screwsim.scene.file_kinds import other_file
 from screwsim.scene.schema import DRAFT, OWN_PARAMETER, mapping, value_schema
 from screwsim.scene.values import limits_text, shown, text_of, within
@@ -50,7 +49,7 @@ def read_fit(
     parameters.
     """
     name = shipped_name(path)
-    place = Position(0, name, folder=os.path.dirname(os.path.abspath(name)))
+    place = Position.start_of(name)
     problems = LocatedFaults()
     root = _read(name, place, problems)
     other = {key: os.fspath(each) for key, each in (("scene", scene), ("data", data)) if each is not None}
@@ -88,7 +87,7 @@ def _typed(root: Node, name: str, other: Mapping[str, str], fixed: bool, problem
     if head is None or ("scene" not in other and not _is_file(root, "scene", head["scene"], problems)):
         return None
     scene_file = other.get("scene", os.path.join(root.place.folder, head["scene"]))
-    scene = replace(load(scene_file), sweep={}, joints=())
+    scene = without_sweep(load(scene_file))
     accuracy = min(scene.numerics.accuracy, ACCURACY) if head["accuracy"] is None else head["accuracy"]
     scene = with_accuracy(scene, accuracy) or scene  # a tolerance that it states itself stays
     parameters = _parameters(root, scene, problems)
@@ -262,7 +261,7 @@ def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool
 
 def fit_schema() -> dict[str, Any]:
     """Return the JSON Schema (draft 2020-12) of a fit."""
-    leaves = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
+    leaves = catalogue_leaves()
     paths = {path: leaf for path, leaf in leaves.items() if leaf.kind not in NOT_CONTINUOUS}
     properties = {name: {"description": leaf.doc, **value_schema(leaf)} for name, leaf in HEAD_FIELDS.items()}
     properties["parameters"] = {

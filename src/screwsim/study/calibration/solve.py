@@ -12,8 +12,9 @@ import numpy as np
 
 from screwsim.inputs.faults import Interrupted
 from screwsim.outputs.display import About, Brief
-from screwsim.scene import Scene, scene_text
+from screwsim.scene import Scene
 from screwsim.study.asked.inputs import shown_value
+from screwsim.study.asked.varied import with_text
 from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
 from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
@@ -94,8 +95,7 @@ class Calibration(Brief):
     @property
     def scene(self) -> Scene:
         """The fitted machine: the scene of the fit with the values found."""
-        changed = self.fit.machine(self.values)
-        return replace(changed, text=scene_text(changed))
+        return with_text(self.fit.machine(self.values))
 
     def _about(self) -> About:
         scene, known = self.fit.scene, self.certainty

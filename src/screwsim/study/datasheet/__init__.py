@@ -11,7 +11,7 @@ from screwsim.figures.engineering import shown_name
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY, Result
 from screwsim.results.left_out import left_out_words
-from screwsim.scene import Scene
+from screwsim.scene import Scene, without_sweep
 from screwsim.study.datasheet.air_year import Demand, read_profile
 from screwsim.study.datasheet.bounds import limits_of
 from screwsim.study.datasheet.sheet import Sheet
@@ -78,7 +78,7 @@ def sheet_of(subject: Scene | StageChain, asked: SheetOptions) -> Sheet:
 
 
 def _sheet_of_scene(scene: Scene, asked: SheetOptions) -> Sheet:
-    if package_of(scene) is not None and scene.gas.name.lower() == "air":
+    if package_of(scene) is not None and scene.gas.is_air:
         from screwsim.study.datasheet.air_rating import rating as air_rating
         from screwsim.study.datasheet.air_sheet import air_sheet
         from screwsim.study.datasheet.hottest_room import room_limits
@@ -143,7 +143,7 @@ def _own_point(subject: Scene | StageChain) -> Result | None:
     from screwsim.study.uncertainty.spreads import tolerances_of
     from screwsim.study.uncertainty.stages import with_uncertainty as of_both
 
-    base = replace(subject, sweep={}, joints=())
+    base = without_sweep(subject)
     return of_both(base, run_stages(base)).as_result() if tolerances_of(subject).uncertain else None
 
 

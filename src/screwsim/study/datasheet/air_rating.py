@@ -21,7 +21,7 @@ from screwsim.scene.lines import lines
 from screwsim.simulate import simulate_many
 from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet.hottest_room import Room, hottest_rooms
-from screwsim.study.datasheet.rated import without_sweep
+from screwsim.study.datasheet.rated import base_of
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.pool.progress import Progress
 
@@ -97,7 +97,7 @@ def rating(scene: Scene, progress: Progress | None = None, bounds: Sequence[Boun
 
     Raises UsageError where a scene leaves open what is rated.
     """
-    base = without_sweep(scene, {SPEED}, f"the values of sweep.{SPEED} of an air package")
+    base = base_of(scene, {SPEED}, f"the values of sweep.{SPEED} of an air package")
     package = scene.effects["air_package"].parameters
     if package.state == UNLOADED:
         raise UsageError(f"datasheet: {STATE} is unloaded, but an unloaded package delivers nothing (write loaded)")

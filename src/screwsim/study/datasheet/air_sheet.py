@@ -15,7 +15,7 @@ from screwsim.study.datasheet.air_year import Demand, year, year_document, year_
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_document, lives_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.hottest_room import room_documents, room_lines
-from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, warning_lines
+from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, disclaimer, warning_lines
 from screwsim.study.datasheet.tables import document_figures
 from screwsim.study.datasheet.units import METRIC, Units
 
@@ -37,7 +37,7 @@ HUMID_FIGURES = (
     "rated with humid air: free air delivery includes the water that condensed on the way, as volume at inlet "
     "humidity; data sheets are compared for dry air"
 )
-DISCLAIMER = "computed, not measured: no tolerance of ISO 1217 applies, and no third party verified it"
+DISCLAIMER = disclaimer("ISO 1217")
 
 
 def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sheet:
@@ -85,7 +85,7 @@ def _percent(share: float, digits: int = 0) -> str:
     return f"{100.0 * share:.{digits}f} %"
 
 
-def point_row(point: Point, full: Point, units: Units = METRIC) -> list[str]:
+def point_row(point: Point, full: Point, units: Units) -> list[str]:
     """Return the cells of a point of the sheet, under `HEADS` or `US_HEADS`."""
     speed = f"{point.rotor_speed / RPM:.0f}"
     if not point.flow > 0.0:

@@ -28,12 +28,12 @@ def excess_of(bound: Bound, found: Mapping[str, Any]) -> float:
     return math.nan if value is None else bound.excess(float(value))
 
 
-def bound_words(bound: Bound, units: Units = METRIC) -> str:
+def bound_words(bound: Bound, units: Units) -> str:
     """Return a limit as people write it."""
     return f"{shown_name(bound.figure)} {bound.sign} {limit_text(bound.figure, bound.value, units)}"
 
 
-def limit_text(figure: str, value: float, units: Units = METRIC) -> str:
+def limit_text(figure: str, value: float, units: Units) -> str:
     """Return a figure [SI] as text with its unit, four digits."""
     about = declared(figure)
     if about.units == "K":

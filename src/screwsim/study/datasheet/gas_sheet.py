@@ -21,7 +21,7 @@ from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.columns import PERCENT, Column, decimals_of, measured, temperatures
 from screwsim.study.datasheet.rated import Axis, SceneRating, SceneRequest, pressure_ratio
-from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
+from screwsim.study.datasheet.sheet import Drawing, Sheet, Table, disclaimer
 from screwsim.study.datasheet.tables import DUTY
 from screwsim.study.datasheet.units import METRIC, Standard, Units
 from screwsim.study.part_load import CONTROL_ENDS, GAS, RATIO_PATH, SPEED_PATH, controls, ratios
@@ -36,7 +36,7 @@ DOCUMENT_FIGURES = (
 )  # fmt: skip
 PACKAGE_REMEDY = "a package with filter, cooler and fan is rated by ISO 1217 (name effects.air_package)"
 WITHOUT_WATER = ", without the water of humid air"
-DISCLAIMER = "computed, not measured: no tolerance of ISO 1217 applies, and no third party verified it"
+DISCLAIMER = disclaimer("ISO 1217")
 PRESSURE_SHARES = (0.8, 0.9, 1.0, 1.1, 1.2)  # of a compressor's own pressures
 SPEED_SHARES = (0.4, 0.6, 0.8, 1.0, 1.2)  # of an expander's own speed
 OUTLET_SHARES = (0.7, 0.85, 1.0, 1.2, 1.4)  # of its outlet pressure
@@ -61,7 +61,7 @@ def gas_sheet(rated: SceneRating) -> Sheet:
         humid = WITHOUT_WATER if scene.gas.relative_humidity is not None else ""
         notes[-1:-1] = [
             f"{standard.flow.unit}: as an ideal gas at {standard.words}{humid}",
-            *([PACKAGE_REMEDY] if scene.gas.name.lower() == "air" else []),
+            *([PACKAGE_REMEDY] if scene.gas.is_air else []),
         ]
     return Sheet(
         heading=heading,
@@ -247,7 +247,7 @@ def rating_request(
     expands = scene.machine.expands
     beside = {SPEED_PATH, RATIO_PATH} if expands else {RATIO_PATH, *CONTROL_ENDS}
     over = f"{SPEED_PATH}, {inlet} and {outlet}" if expands else f"{inlet}, {outlet} and controls of the flow"
-    base = rating.without_sweep(scene, {inlet, outlet, *beside}, over)
+    base = rating.base_of(scene, {inlet, outlet, *beside}, over)
     if expands and ranges.get(first) is None and inlet not in scene.sweep:
         speeds = rating.swept_values(scene, SPEED_PATH) or tuple(share * base.operation.speed for share in SPEED_SHARES)
         across = Axis(SPEED_PATH, speeds)

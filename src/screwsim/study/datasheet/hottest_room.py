@@ -90,7 +90,7 @@ def _found(scene: Scene, bound: Bound, span: Span) -> Room:
     return Room(bound, span.path, answer.values[span.path], answer.uncertainties.get(span.path))
 
 
-def room_lines(rooms: Sequence[Room], units: Units = METRIC, humid: bool = False) -> Iterator[tuple[str, str]]:
+def room_lines(rooms: Sequence[Room], units: Units, humid: bool) -> Iterator[tuple[str, str]]:
     """Yield the hottest room of each limit, or the warmest coolant, in one line; `humid` air keeps its humidity."""
     parts = []
     for room in rooms:

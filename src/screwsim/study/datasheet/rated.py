@@ -14,14 +14,14 @@ from typing import Any, Generic, NamedTuple, TypeVar
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.scene import Scene, cross_check, with_values
+from screwsim.scene import Scene, cross_check, with_values, without_sweep
 from screwsim.scene.grid import Swept
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.simulate import simulate_many
 from screwsim.study.asked.goals import Bound
-from screwsim.study.asked.inputs import ends_of, read_text, shown_range, shown_value
+from screwsim.study.asked.inputs import ends_of, read_text, refuse_empty_range, shown_value
 from screwsim.study.datasheet.bounds import EnvelopeRange, envelope, motor_of
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.part_load import GAS, LOADS, REFRIGERATION, SPEED_PATH, Control, LoadFigures, PartLoad, part_load
@@ -187,7 +187,7 @@ class Part(NamedTuple):
     lost: Any
 
 
-def without_sweep(scene: Scene, known: Set[str], over: str) -> Scene:
+def base_of(scene: Scene, known: Set[str], over: str) -> Scene:
     """Return a scene without its sweep; raise UsageError, naming `over`, where it varies paths other than `known`."""
     others = [path for path in scene.sweep if path not in known]
     if others or scene.joints:
@@ -196,7 +196,7 @@ def without_sweep(scene: Scene, known: Set[str], over: str) -> Scene:
             f"datasheet: a sheet covers {over}, but the scene varies {path} in another way (remove that axis, and "
             f"rate one value at a time with --set {path}=VALUE)"
         )
-    return replace(scene, sweep={}, joints=())
+    return without_sweep(scene)
 
 
 def swept_values(scene: Swept, path: str) -> tuple[float, ...]:
@@ -218,9 +218,7 @@ def read_range(base: Scene, path: str, text: str, option: str, example: str) -> 
         first, last = (read_text(base, path, end) for end in both)
     except UsageError as fault:
         raise UsageError(f"{option} {text}: {str(fault).removeprefix(path).removeprefix(': ')}") from None
-    if not first < last:
-        shown = shown_range(base, path, first, last)
-        raise UsageError(f"{option} {text}: the range {shown} is empty (LOW must be below HIGH)")
+    refuse_empty_range(base, path, first, last, f"{option} {text}")
     return first, last
 
 

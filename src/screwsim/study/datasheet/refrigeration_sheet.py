@@ -20,7 +20,7 @@ from screwsim.study.datasheet import tables
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
 from screwsim.study.datasheet.columns import Column, measured, temperatures
 from screwsim.study.datasheet.rated import Axis, Rating, RatingRequest, SceneRating, SceneRequest
-from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
+from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, disclaimer
 from screwsim.study.datasheet.tables import DUTY
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.part_load import CONTROL_ENDS, RATIO_PATH, REFRIGERATION, controls, ratios
@@ -43,7 +43,7 @@ DOCUMENT_FIGURES = (
     "separator_temperature", ECONOMIZER_FLOW, ECONOMIZER_T, ECONOMIZER_P, ECONOMIZER_GAIN, *LIFE_FIGURES,
 )  # fmt: skip
 PEAK_FIGURES = DISCHARGE, "discharge_pressure", "shaft_power"
-DISCLAIMER = "computed, not measured: no tolerance of EN 12900 or AHRI 540 applies, and no third party verified it"
+DISCLAIMER = disclaimer("EN 12900 or AHRI 540")
 
 
 def refrigeration_sheet(rated: SceneRating, heating: bool = False) -> Sheet:
@@ -138,7 +138,7 @@ def rating_request(
     """
     second = GAS_COOLER_P if scene.operation.gas_cooler is not None else CONDENSING
     over = f"{EVAPORATING}, {second} and controls of the capacity"
-    base = rating.without_sweep(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
+    base = rating.base_of(scene, {EVAPORATING, second, RATIO_PATH, *CONTROL_ENDS}, over)
     across = axis_values(base, EVAPORATING, evaporating, "--evaporating", rating.swept_values(scene, EVAPORATING))
     down = axis_values(base, second, condensing, "--condensing", rating.swept_values(scene, second))
     aim = BY_HEATING if heating else REFRIGERATION

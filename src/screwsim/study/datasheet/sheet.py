@@ -66,6 +66,11 @@ class Sheet:
     ok: bool = True
 
 
+def disclaimer(standards: str) -> str:
+    """Return the note that a sheet is not a measurement by standards."""
+    return f"computed, not measured: no tolerance of {standards} applies, and no third party verified it"
+
+
 def warning_lines(points: Sequence[tuple[str, Sequence[str]]], among: int = 0) -> Iterator[str]:
     """Yield the warnings of a sheet's points, (where, warnings) each; those that differ only by numbers once.
 

@@ -5,12 +5,10 @@ lowest flow; another one has fixed speed. Free air, input and specific power are
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
 from screwsim.build import package_of
-from screwsim.effects.air_package import AIR
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.customary import RPM, with_printed_units
@@ -23,7 +21,7 @@ from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.columns import BAR, KW, NONE, Column, in_units
 from screwsim.study.datasheet.rated import Part, answers_of
 from screwsim.study.datasheet.sheet import Sheet, Table
-from screwsim.study.datasheet.units import METRIC, Units
+from screwsim.study.datasheet.units import Units
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.study.pool.progress import Progress
 from screwsim.study.pool.workers import WORKER_DIED
@@ -47,15 +45,15 @@ NO_VERDICT = "10 CFR 431.345 is not applied to two stages, and zero flow is not 
 
 def is_air_package(chain: StageChain) -> bool:
     """Return whether two stages compress air, and both state a motor."""
-    return chain.first.gas.name.lower() == AIR and all(map(motor_of, chain.by_stage.values()))
+    return chain.first.gas.is_air and all(map(motor_of, chain.by_stage.values()))
 
 
 def air_stages_sheet(
     chain: StageChain,
-    demands: Sequence[Demand] = (),
-    jobs: int | None = None,
-    progress: Progress | None = None,
-    units: Units = METRIC,
+    demands: Sequence[Demand],
+    jobs: int | None,
+    progress: Progress | None,
+    units: Units,
 ) -> Sheet:
     """Return the sheet of two stages of air, with the energy of demands; raise UsageError for axes but speeds."""
     speeds, found = _rated(chain, jobs, progress)
@@ -94,7 +92,7 @@ def _rated(
     own = {f"{name}.{SPEED_PATH}": scene.operation.speed for name, scene in chain.by_stage.items()}
     cases = [{**own, **grid.case_values(chain, i)} for i in range(grid.case_count(chain))]
     cases.sort(key=lambda case: [-case[name] for name in SPEEDS])
-    base, dead = replace(chain, sweep={}, joints=()), ChainResult("failed", WORKER_DIED)
+    base, dead = grid.without_sweep(chain), ChainResult("failed", WORKER_DIED)
     found = answers_of([Part(partial(solved_with, base, case), dead) for case in cases], jobs, progress)
     return [(float(case[SPEEDS[0]]), float(case[SPEEDS[1]])) for case in cases], found
 

@@ -13,14 +13,14 @@ A rating is one of those in `rated`: tables, envelope, part load, drawings and d
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.scene import Scene, with_values
+from screwsim.scene import Scene, with_values, without_sweep
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
 from screwsim.study.asked.goals import Bound
@@ -116,7 +116,7 @@ def rating_request(
             f"datasheet: a sheet of these two stages covers {names[0]} and {names[1]}, but the file varies {name} in "
             f"another way (remove that axis, or compute its points with screwsim sweep)"
         )
-    base = replace(chain, sweep={}, joints=())
+    base = without_sweep(chain)
     low, high = _over_both(base)
     settings = np.linspace(1.0, SLOWEST_SPEED, SETTING_COUNT).tolist()
     return ChainRequest(

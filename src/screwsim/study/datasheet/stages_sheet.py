@@ -25,7 +25,7 @@ from screwsim.study.datasheet.refrigeration_sheet import own_point
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.stages_rating import ChainRating, refrigerates
 from screwsim.study.datasheet.tables import BLANK, DUTY, Lines
-from screwsim.study.datasheet.units import METRIC, Units
+from screwsim.study.datasheet.units import Units
 from screwsim.study.stages import ChainResult
 from screwsim.study.stages.axes import COOLS, FLASHES, NOTHING, STAGE_NAMES
 from screwsim.study.stages.chain import StageChain
@@ -116,11 +116,11 @@ def _columns(rated: ChainRating) -> tuple[Column, ...]:
     head = (capacity, power, cop) if cold else (mass, power, efficiency)
     rest = [Column(INTERMEDIATE, "Intermediate pressure [bar]", BAR, 3)]
     rest += [mass] if cold else []
-    for which in ("first", "second"):
+    for which in STAGE_NAMES:
         rest.append(Column(f"{which}_shaft_power", f"Shaft power of the {which} stage [kW]", KW, kw))
-    for which, figure in zip(("first", "second"), DISCHARGES, strict=True):
+    for which, figure in zip(STAGE_NAMES, DISCHARGES, strict=True):
         rest.append(Column(figure, f"Discharge temperature of the {which} stage [°C]", 1.0, 1, celsius=True))
-    cooled = zip(("first", "second"), DUTIES, rated.asked.scenes, strict=True)
+    cooled = zip(STAGE_NAMES, DUTIES, rated.asked.scenes, strict=True)
     for which, figure, scene in cooled:
         if tables.is_oil_cooled(scene) or abs(own.get(figure) or 0.0) > 0.0:
             rest.append(Column(figure, f"Oil cooler duty of the {which} stage [kW]", KW, kw))
@@ -211,7 +211,7 @@ def _document(rated: ChainRating) -> dict[str, Any]:
     }
 
 
-def each_stage_table(found: ChainResult, title: str, units: Units = METRIC) -> Iterator[Table]:
+def each_stage_table(found: ChainResult, title: str, units: Units) -> Iterator[Table]:
     """Yield the table of both stages beside each other; nothing where they have no results."""
     if found.status != "ok":
         return
@@ -227,7 +227,7 @@ def each_stage_table(found: ChainResult, title: str, units: Units = METRIC) -> I
     yield Table(title, (BLANK, *(f"{name} stage" for name in STAGE_NAMES)), rows, left=1)
 
 
-def stage_lives_tables(points: Sequence[tuple[str, ChainResult]], units: Units = METRIC) -> Iterator[Table]:
+def stage_lives_tables(points: Sequence[tuple[str, ChainResult]], units: Units) -> Iterator[Table]:
     """Yield the table of the bearings of each stage over points (name, result), of which the first is the own one."""
     if points[0][1].status != "ok":
         return
@@ -242,7 +242,7 @@ def _motor_load(scene: Scene, found: Result) -> str:
     return "" if motor is None else f"{PERCENT * found.performance.shaft_power / motor.rated_power:.0f}"
 
 
-def between_line(chain: StageChain, found: Result, units: Units = METRIC) -> Lines:
+def between_line(chain: StageChain, found: Result, units: Units) -> Lines:
     """Yield what lies between both stages, and the pressure there beside the geometric mean of both ends."""
     between, p = chain.intercooler, found.performance.get("intermediate_pressure")
     words = BETWEEN[between.kind]
@@ -261,7 +261,7 @@ def between_line(chain: StageChain, found: Result, units: Units = METRIC) -> Lin
     yield "between", words
 
 
-def motor_lines(chain: StageChain, found: ChainResult, units: Units = METRIC) -> Lines:
+def motor_lines(chain: StageChain, found: ChainResult, units: Units) -> Lines:
     """Yield the rating of each motor, and its load at the own point."""
     loads = [f", {_motor_load(*each)} % of it at the point" for each in zip(found.scenes, found.stages, strict=False)]
     parts = []
@@ -274,7 +274,7 @@ def motor_lines(chain: StageChain, found: ChainResult, units: Units = METRIC) ->
         yield "motors", "; ".join(parts)
 
 
-def swept_line(found: ChainResult, units: Units = METRIC) -> Lines:
+def swept_line(found: ChainResult, units: Units) -> Lines:
     """Yield the swept volume and the speed of each stage."""
     if len(found.scenes) == len(found.stages) and found.stages:
         swept = (units.quantity("m3 s-1", each.performance["displacement_flow"]) for each in found.stages)

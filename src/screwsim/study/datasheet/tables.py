@@ -28,7 +28,7 @@ Lines = Iterator[tuple[str, str]]
 TablePlace = tuple[int, int]  # indices on the axes across and down
 
 
-def shown_at(axis: Axis, value: float, units: Units = METRIC) -> str:
+def shown_at(axis: Axis, value: float, units: Units) -> str:
     """Return a value of an axis in words: a temperature, a speed, or a pressure."""
     if axis.path.endswith("temperature"):
         return units.degrees(value)
@@ -44,7 +44,7 @@ def place_of(rated: Rating, i: int, j: int) -> str:
     return f"{first.removesuffix(f' {unit}')}/{second}" if first.endswith(f" {unit}") else f"{first}, {second}"
 
 
-def inlet_in_words(scene: Scene, units: Units = METRIC) -> str:
+def inlet_in_words(scene: Scene, units: Units) -> str:
     """Return pressure and temperature of the suction line."""
     at = lines(scene)
     return f"{units.quantity('Pa', at.p_s)}, {units.degrees(at.T_s)}"
@@ -259,7 +259,7 @@ def machine_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) 
         yield "machine", f"{units.quantity('m3 s-1', found['displacement_flow'])} swept at {speed}"
 
 
-def power_lines(scene: Scene, found: Mapping[str, Any], units: Units = METRIC, gives: bool = False) -> Lines:
+def power_lines(scene: Scene, found: Mapping[str, Any], units: Units, gives: bool = False) -> Lines:
     """Yield the rating of the motor or generator, and its load at the scene's point."""
     motor = motor_of(scene)
     if motor is not None:

@@ -6,12 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.effects import catalogue
 from screwsim.inputs.arguments import NUMBER, as_list, checked_arguments
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.results.read import STAGES
-from screwsim.scene.fields import Leaf, leaf_paths, unknown_key
+from screwsim.scene.fields import Leaf, catalogue_leaves, unknown_key
 from screwsim.scene.units import ZERO_CELSIUS, readable_quantity, refused_at
 from screwsim.scene.values import convert
 from screwsim.study.maps.performance_map import PerformanceMap, performance_maps, temperature_paths
@@ -175,7 +174,7 @@ def _value(path: str, text: str) -> Any:
 
 def _leaf(path: str) -> Leaf | None:
     """Return the input at a path, of two stages with its stage before it; None for an effect of a user's own."""
-    known = leaf_paths({name: effect.parameters for name, effect in catalogue().items()})
+    known = catalogue_leaves()
     of, _, inner = path.partition(".")
     if of in STAGES:
         return known.get(inner)

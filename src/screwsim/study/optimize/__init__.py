@@ -13,7 +13,7 @@ from screwsim.inputs.arguments import TEXTS, as_list, checked_arguments, whole
 from screwsim.outputs import Result
 from screwsim.outputs.display import About, Brief
 from screwsim.results.atomic import make_folder
-from screwsim.scene import SceneLike
+from screwsim.scene import SceneLike, without_sweep
 from screwsim.study.asked.goals import Bound
 from screwsim.study.asked.inputs import check_fit, shown_value
 from screwsim.study.asked.spans import LOWER, UPPER, read_spans, refusal_beyond
@@ -149,7 +149,7 @@ def optimize(
     `restart`).
     """
     given = scene_or_stages(scene)
-    base = with_text(replace(given, sweep={}, joints=()))
+    base = with_text(without_sweep(given))
     spans = vary if isinstance(vary, Mapping) else spans_of(given, vary)
     more = {"subject_to": subject_to, "over": over, "evaluations": evaluations, "seed": seed}
     asked = question(base, spans, maximize, minimize, **more)
@@ -167,7 +167,7 @@ def run_question(
     asked: Question,
     output: str | Path | None = None,
     *,
-    jobs: int | None = None,
+    jobs: int | None,
     restart: bool = False,
     simulate: Simulate | None = None,
     progress: Progress | None = None,

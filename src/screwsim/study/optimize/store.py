@@ -17,7 +17,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import STATUSES, names_of
 from screwsim.results.atomic import has_content
 from screwsim.results.identity import differences, installed_version, unpacked
-from screwsim.results.optimum import EVALUATION, POINT, EvaluationColumns, write_optimum
+from screwsim.results.optimum import EVALUATION, EXCESS_MEANING, FLAGS, POINT, EvaluationColumns, write_optimum
 from screwsim.results.read import read_attributes
 from screwsim.results.schema import Axis, Subject, axis_of, digest, subject_of
 from screwsim.results.write import Draft
@@ -179,11 +179,11 @@ def _table(record: Record, feasible: np.ndarray, on_front: np.ndarray) -> dict[s
         about = "its estimated numerical error, absolute"
         columns[f"{aim.figure}_error"] = Column(_known(wide), declared(aim.figure).units, about)
     for bound, over in zip(asked.bounds, excess.T, strict=True):
-        about = f"by how much {bound.figure} exceeds its bound; negative inside"
+        about = EXCESS_MEANING.format(bound.figure)
         name = f"{bound.figure}_{_SIDE[bound.sign]}_excess"
         columns[name] = Column(_known(over), declared(bound.figure).units, about)
-    columns["feasible"] = Column(feasible.astype(int).tolist(), "1", "1: it has results and satisfies all bounds")
-    columns["front"] = Column(on_front.tolist(), "1", "1: feasible, and no other is better in all aims")
+    columns["feasible"] = Column(feasible.astype(int).tolist(), "1", FLAGS["feasible"])
+    columns["front"] = Column(on_front.tolist(), "1", FLAGS["front"])
     told = [text.words[number] for table in tables for text in [table.texts["message"]] for number in text.number]
     status = [STATUSES[code] for table in tables for code in table.status]
     columns["status"] = Column(status, "", "how the evaluation ended")

@@ -8,8 +8,7 @@ from typing import Any
 from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, as_list, checked_arguments
 from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
-from screwsim.scene import SceneLike, case_count, case_values
-from screwsim.scene.grid import with_sweep_over
+from screwsim.scene import SceneLike, case_count, case_values, without_sweep
 from screwsim.scene.units import gauge_pressures_over
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.asked.goals import Goal, of_ambient, read_figure, read_goals
@@ -112,7 +111,7 @@ def find(
     """
     given = scene_or_stages(scene)
     asked = question(given, vary, goals, catalogue)
-    alone = case(with_sweep_over(given, ()), 0)
+    alone = case(without_sweep(given), 0)
     simulate, expected = simulate or WarmSimulation(), EXPECTED_SOLUTIONS * len(asked.spans)
     with ReportedSimulation(simulate, progress_of("find", progress), expected) as told:
         return find_each(alone, asked, jobs=1, simulate=told)[0]
@@ -122,7 +121,7 @@ def find_each(
     scene: Varied,
     asked: Question,
     *,
-    jobs: int | None = None,
+    jobs: int | None,
     simulate: Simulate | None = None,
     progress: Progress | None = None,
 ) -> list[GoalSeekAnswer]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from screwsim.build import build_gas
 from screwsim.cycle.problem import Inlet
-from screwsim.effects.air_package import AIR, FREE_AIR
+from screwsim.effects.air_package import FREE_AIR
 from screwsim.effects.parts.rating import isentropic_power
 from screwsim.evaluate.performance import beyond_suction_gas, efficiencies, parted
 from screwsim.fluid import constants
@@ -170,7 +170,7 @@ def _air_figures(pair: StagePair, density: float, ends: tuple[float, float]) -> 
     inlet, `ends` are the pressures [Pa] at inlet and outlet.
     """
     figures = [result.performance for result in pair.results]
-    if pair.scenes[0].gas.name.lower() != AIR or any(each.get("electrical_power") is None for each in figures):
+    if not pair.scenes[0].gas.is_air or any(each.get("electrical_power") is None for each in figures):
         return {}, {}
     flow = figures[0].gas_mass_flow / density
     power = sum(each.electrical_power + (each.get("fan_power") or 0.0) for each in figures)

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 
-from screwsim.effects.air_package import AIR
 from screwsim.scene import Scene
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.study.asked.figures import figures_of
@@ -17,7 +16,7 @@ def absences(first: Scene, second: Scene) -> dict[str, str]:
     still = [name for name, scene in scenes if "electrical_power" not in figures_of(scene)]
     if still:
         found[_MOTORS] = f"a motor in the {still[0]} scene" if len(still) == 1 else "a motor in both scenes"
-    if first.gas.name.lower() != AIR:
+    if not first.gas.is_air:
         found[_AIR] = "air for its gas"
     if condensate_enthalpy(second) is None:
         found[_CONDENSER] = "operation.condensing_temperature or gas_cooler in the second scene"

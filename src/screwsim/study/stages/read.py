@@ -81,7 +81,7 @@ def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> 
 
 
 def _root(name: str, problems: LocatedFaults) -> Node | None:
-    place = Position(0, name, folder=os.path.dirname(os.path.abspath(name)))
+    place = Position.start_of(name)
     try:
         text = read_text(name, MOST_YAML)
     except Unreadable:

@@ -19,9 +19,10 @@ from screwsim.fluid.models import condenses
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.customary import in_bar, in_celsius
-from screwsim.scene import Scene, cross_check, lines, scene_text, with_values
+from screwsim.scene import Scene, cross_check, lines, with_values, without_sweep
 from screwsim.scene.types import ActiveEffect, parameters_of_type
-from screwsim.simulate import simulate, simulate_next
+from screwsim.simulate import simulate_next
+from screwsim.study.asked.varied import with_text
 from screwsim.study.stages.axes import SOLVED, STAGE_NAMES, UNLOADED_STAGE
 from screwsim.study.stages.figures import ChainEnds, StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.result import ChainResult, chain_errors, delivery_temperature_figure, idle_cooler
@@ -54,7 +55,7 @@ def _set_lines(scene: Scene, which: str, p_s: float, state: tuple[str, float], p
     faults = cross_check(changed)
     if faults:
         raise Stop("failed", f"the {which} stage, {p_s / 1e5:.4g} to {p_d / 1e5:.4g} bar: {faults[0]}")
-    return replace(changed, text=scene_text(changed))
+    return with_text(changed)
 
 
 def _with_lines(scene: Scene, p_s: float, state: tuple[str, float], p_d: float) -> Scene:
@@ -62,7 +63,7 @@ def _with_lines(scene: Scene, p_s: float, state: tuple[str, float], p_d: float) 
     values: dict[str, Any] = {f"operation.{each}": None for each in _STATED}
     values |= {"operation.suction.temperature": None, "operation.suction.pressure": p_s}
     values |= {f"operation.suction.{name}": value}
-    return with_values(replace(scene, sweep={}, joints=()), {**values, "operation.discharge.pressure": p_d})
+    return with_values(without_sweep(scene), {**values, "operation.discharge.pressure": p_d})
 
 
 def _with_separator(scene: Scene) -> Scene:
@@ -73,7 +74,7 @@ def _with_separator(scene: Scene) -> Scene:
     effect = catalogue()[name]
     parted = replace(scene, effects={**scene.effects, name: ActiveEffect(effect, effect.parameters())})
     stated = parameters_of_type(scene.effects, InSeparator)  # a file cannot state both
-    return parted if stated else replace(parted, text=scene_text(parted))
+    return parted if stated else with_text(parted)
 
 
 class ChainSolver(ChainEnds):
@@ -132,7 +133,7 @@ class ChainSolver(ChainEnds):
         other = _set_lines(self.chain.second, "second", out, ("temperature", T), self.high.p_d)
         parted, unparted = _with_separator(other) if trace else other, ""
         if parted is not other:
-            second = self._simulated(parted, "second", trace)
+            second = simulate_next(self._series.get("second"), parted, trace)
             if second.status == "ok":
                 return StagePair(p, (scene, parted), (first, second), vapour, T)
             unparted = second.message
@@ -142,17 +143,13 @@ class ChainSolver(ChainEnds):
     def _solved(self, scene: Scene, name: str, trace: bool, before: tuple[Result, ...] = ()) -> Result:
         if not getattr(package_of(scene), "delivers", True):
             raise Stop("failed", f"the {name} stage {UNLOADED_STAGE}", before)
-        result = self._simulated(scene, name, trace)
+        result = simulate_next(self._series.get(name), scene, trace)
         at = f"{lines(scene).p_s / 1e5:.4g} to {lines(scene).p_d / 1e5:.4g} bar"
         if result.status != "ok":
             raise Stop(result.status, f"the {name} stage, {at}: {result.message}", (*before, result))
         if result.performance.gas_mass_flow <= 0.0 or result.performance.discharge_temperature is None:
             raise Stop("failed", f"the {name} stage delivers nothing, {at}", (*before, result))
         return result
-
-    def _simulated(self, scene: Scene, name: str, trace: bool) -> Result:
-        series = self._series.get(name)
-        return simulate(scene, trace=trace) if series is None else simulate_next(series, scene, trace)
 
     def _check_dry(self, p: float, T_d: float, first: Result) -> None:
         """Raise `Stop` where the first stage delivers wet vapour: its temperature does not determine its enthalpy."""

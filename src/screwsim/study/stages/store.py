@@ -28,6 +28,7 @@ from screwsim.results.read import SCENE_AT_POINT, read_attributes
 from screwsim.results.schema import Axis, Subject, axes_along, digest, identity_of, numeric_inputs, subject_of
 from screwsim.results.table import InMemory, table_of
 from screwsim.results.write import StageTables, write_tables
+from screwsim.scene.grid import without_sweep
 from screwsim.scene.tolerances import tolerance_text
 from screwsim.scene.types import Scene
 from screwsim.scene.values import text_of
@@ -114,7 +115,7 @@ def identity_of_chain(chain: StageChain) -> dict[str, str]:
         own = (*own, dict(chain.uncertain), chain.correlated)
     found = {"values of both stages": digest(repr(own))}
     for stage, scene in chain.by_stage.items():
-        for name, text in identity_of(replace(scene, sweep={}, joints=())).items():
+        for name, text in identity_of(without_sweep(scene)).items():
             found[f"{stage} {name}" if name.startswith(OWN_IDENTITY) else name] = text
     return found
 

@@ -234,7 +234,7 @@ class _Sweep:
         size = len(self.blocks.cases_of(range(1)))
         longest = (CHUNK_TRACES if keep else CHUNK_CASES) // size
         self._chunks = Chunks(todo, longest, pool.workers, self.beside.blocks(size))
-        base = replace(self.scene, sweep={}, joints=(), text="")
+        base = replace(grid.without_sweep(self.scene), text="")
         place = Place.HERE if limit is None else Place.BESIDE if isinstance(pool, LocalPool) else Place.ELSEWHERE
         tally = self._tally = Tally(self.progress, place)
         try:

@@ -140,7 +140,7 @@ def sweep_stages(
         if kept is not None and lasting:
             kept.add(lasting)
 
-    base = replace(chain, sweep={}, joints=())
+    base = grid.without_sweep(chain)
     parallel_map(
         partial(_solved, base, [values[number] for number in missing], warm),
         len(missing),

@@ -96,11 +96,11 @@ def slopes_by_inputs(
     paths: Sequence[str],
     figures: Sequence[str] = (),
     *,
-    result: Result | None = None,
+    result: Result | None,
     jobs: int | None = 1,
     progress: Progress | bool | None = False,
 ) -> Sensitivities:
-    """Return the derivatives of figures (default: all) by inputs with a tolerance, of a scene or two stages.
+    """Return the derivatives of figures (none: all) by inputs with a tolerance, of a scene or two stages.
 
     `left_out` names every input that has no derivative of one of the `figures` there, and why: it has no part in an
     uncertainty, and `not_included` says so.

@@ -28,7 +28,7 @@ def checked_by_sample(
     count: int,
     *,
     seed: int = 1,
-    jobs: int | None = None,
+    jobs: int | None,
     progress: Progress | None = None,
 ) -> Uncertainty:
     """Return the same with a Sobol sample of the inputs beside it: where both differ, the linear estimate is wrong.
@@ -57,8 +57,8 @@ def refuse_count(count: int) -> None:
         raise UsageError(f"--check-sobol {count}: is not a power of two from {LEAST_COUNT} on (write e.g. 64)")
 
 
-def linear_uncertainty(of: Varied, figures: Sequence[str] = (), *, jobs: int | None = None) -> Uncertainty:
-    """Return the linear uncertainties of figures (default: all) of a scene or two stages; raise UsageError."""
+def linear_uncertainty(of: Varied, figures: Sequence[str], *, jobs: int | None) -> Uncertainty:
+    """Return the linear uncertainties of figures (none: all) of a scene or two stages; raise UsageError."""
     found = uncertainty(of, jobs=jobs)
     if lacking := next((name for name in figures if found.spreads and name not in found.spreads), ""):
         raise UsageError(f"--figure {lacking}: has no uncertainty from the inputs here (choose another)")

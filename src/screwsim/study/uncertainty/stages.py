@@ -30,12 +30,12 @@ if TYPE_CHECKING:
 
 def chain_sensitivities(
     chain: StageChain,
-    paths: Sequence[str] = (),
+    paths: Sequence[str],
     figures: Sequence[str] = (),
     fine: bool = True,
     found: ChainResult | None = None,
 ) -> Sensitivities:
-    """Return the derivatives of figures of both together (default: all) by numbers (default: all of both scenes).
+    """Return the derivatives of figures of both together (none: all) by numbers (none: all of both scenes).
 
     `found` is the solution, where it is known. Raises UsageError for a path or a figure that does not exist, and where
     a stage has no derivatives by its lines.

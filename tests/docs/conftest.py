@@ -1,6 +1,0 @@
-"""Let the tests import `shown` and `snippets` of this folder."""
-
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parent))

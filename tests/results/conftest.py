@@ -1,6 +1,0 @@
-"""Let the tests import `result_fakes`, whatever the import mode."""
-
-import sys
-from pathlib import Path
-
-sys.path.insert(0, str(Path(__file__).parent))
