@@ -17,7 +17,7 @@ from screwsim.export.en12900 import (
     POUND,
     en12900_csv,
     en12900_document,
-    other_convention,
+    other_condensing,
 )
 from screwsim.export.polynomials import polynomials, rated_temperatures, swept_results
 from screwsim.export.table import csv_table, table_of
@@ -286,8 +286,8 @@ def test_polynomials_need_both_temperatures(file, told):
 @pytest.mark.parametrize(("fluid", "told"), [("R407C", "4.8 K above the bubble point that D is here"), ("R134a", "")])
 def test_a_fluid_with_glide_says_that_the_standards_mean_its_dew_point(found, fluid, told):
     """R407C at 42.5 °C of its bubble point: dew point by CoolProp."""
-    other = other_convention(replace(found, fluid=fluid))
+    other = other_condensing(replace(found, fluid=fluid))
     assert told in other and bool(other) == bool(told)
     assert not told or "write gas.fluid: R407C.mix" in other
     assert (f"# {other}" in en12900_csv(replace(found, fluid=fluid)).splitlines()) == bool(told)
-    assert not other_convention(replace(found, fluid=fluid, condensing="dew"))
+    assert not other_condensing(replace(found, fluid=fluid, condensing="dew"))

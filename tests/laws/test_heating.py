@@ -6,7 +6,9 @@ import pytest
 from CoolProp.CoolProp import PropsSI
 from scenes import RATED, make, run
 
-from screwsim.build import build_gas
+from screwsim.build import build_gas, build_site
+from screwsim.effects.base import Drawn
+from screwsim.effects.economizer import economizer_figures
 from screwsim.evaluate.performance import NO_POWER, NONE_DELIVERED, heating, parted
 from screwsim.scene import lines, load, refrigerating_effect
 from screwsim.simulate import simulate, simulate_many
@@ -80,6 +82,19 @@ def test_the_balance_closes_with_an_economizer_of_an_ideal_gas(kind):
     p = simulate(load(CONFIGS / "r134a" / "separator.yaml", changes), trace=False).performance
     assert p.economizer_mass_flow > 0.02 * p.gas_mass_flow and 0.0 < p.economizer_draw_ratio < 1.0
     assert_heat_balance(p)
+
+
+@pytest.mark.parametrize("fluid", ["R134a", "R404A"])
+def test_the_liquid_of_a_flash_tank_boils_at_the_pressure_of_its_vapour(fluid):
+    """A pseudo-pure fluid boils half a kelvin below the dew point that is stated: its liquid has that temperature."""
+    tank = {"temperature": "15 degC", "opens": "420 deg", "closes": "520 deg", "area": "1 cm^2", "kind": "flash_tank"}
+    scene = make({**RATED, "gas.model": "real", "gas.fluid": fluid, "effects.economizer": tank})
+    site, flash = build_site(scene, build_gas(scene)), scene.effects["economizer"].parameters
+    p = PropsSI("P", "T", 288.15, "Q", 1, fluid)
+    given = economizer_figures(flash, Drawn(1.0, 1.0, site.gas.vapour(p, 288.15), site, 0.0))  # more than there is
+    h_s = PropsSI("H", "P", PropsSI("P", "T", 275.15, "Q", 1, fluid), "T", 285.15, fluid)
+    h_c, h_x = PropsSI("H", "T", 318.15, "Q", 0, fluid), PropsSI("H", "P", p, "Q", 0, fluid)
+    assert given["economizer_capacity_gain"] == pytest.approx((h_c - h_x) / (h_s - h_c), rel=1e-9)
 
 
 def test_heat_that_is_pushed_back_beyond_what_the_vapour_takes_leaves_and_is_told():

@@ -112,6 +112,14 @@ def test_a_blend_by_mole_is_another():
             "effects.economizer.kind: the vapour that boils off R454B, a blend, has a different composition from the "
             "blend (write kind: heat_exchanger, or name a pure fluid)",
         ),
+        (
+            (
+                "gas.fluid=R407C",
+                "effects.economizer={area: 2 cm^2, opens: 1 rad, closes: 2 rad, temperature: 288 K, kind: flash_tank}",
+            ),
+            "effects.economizer.kind: the vapour that boils off R407C, a blend, has a different composition from the "
+            "blend (write kind: heat_exchanger, or name a pure fluid)",
+        ),
     ],
 )
 def test_what_is_wrong_with_a_blend_is_one_line(overrides, what):

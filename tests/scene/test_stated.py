@@ -8,7 +8,7 @@ import pytest
 from each_row import each_row
 
 import screwsim
-from screwsim.inputs.faults import SceneError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.machine.kinds import kind_of
 from screwsim.scene import case, scene_text
 from screwsim.scene.types import STANDARD_ATMOSPHERE
@@ -173,6 +173,34 @@ def test_gauge_pressures_are_over_the_standard_atmosphere_or_what_is_stated():
     swept = screwsim.loads(PAPER, overrides=[high[1], "sweep.operation.discharge.pressure=[6 bar(g), 7 bar(g)]"])
     assert swept.sweep["operation.discharge.pressure"] == pytest.approx((6.8e5, 7.8e5))
     assert screwsim.loads(scene.text).operation.discharge.pressure == scene.operation.discharge.pressure
+
+
+def test_gauge_pressures_follow_an_ambient_pressure_that_python_changes():
+    """As with --set: they are read anew from what was written, also after another change."""
+    at, p_d = "operation.ambient_pressure", "operation.discharge.pressure"
+    scene = screwsim.loads(PAPER, overrides=[f"{p_d}=7 bar(g)", f"{at}=1 bar"])
+    assert scene.with_({at: "0.8 bar"}).operation.discharge.pressure == pytest.approx(7.8e5)
+    later = scene.with_(operation__speed="1000 rpm").with_({at: "0.8 bar"})
+    assert later.operation.discharge.pressure == pytest.approx(7.8e5)
+    own = scene.with_({at: "0.8 bar", "operation.discharge": {"pressure": "9 bar"}})
+    assert own.operation.discharge.pressure == pytest.approx(9e5)
+    assert scene.with_(operation__speed="1000 rpm").operation.discharge.pressure == scene.operation.discharge.pressure
+
+
+@pytest.mark.parametrize(
+    ("written", "path"),
+    [
+        ("operation.discharge.pressure=7 bar(g) ± 0.1 bar", "operation.discharge.pressure"),
+        ("sweep.operation.discharge.pressure=[6 bar(g), 7 bar(g)]", "sweep.operation.discharge.pressure"),
+    ],
+)
+def test_gauge_pressures_that_cannot_be_read_anew_are_told(written, path):
+    scene = screwsim.loads(PAPER, overrides=[written])
+    told = f"with_: operation.ambient_pressure: {path} was read relative to the former one (state it anew as well)"
+    with pytest.raises(UsageError) as refusal:
+        scene.with_({"operation.ambient_pressure": "0.8 bar"})
+    assert str(refusal.value) == told
+    assert scene.with_(operation__speed="1000 rpm").uncertain == scene.uncertain
 
 
 REMOVE = "remove one of the two; null drops a base's value"

@@ -8,6 +8,7 @@ from fit_fakes import (
     FIT,
     GAP,
     POINTS,
+    SCENE,
     Stopped,
     coordinates,
     hopeless,
@@ -253,6 +254,17 @@ def test_a_fit_is_doubted_where_chance_hardly_makes_such_residuals(spread, doubt
     out = " ".join(capsys.readouterr().out.split())
     assert "the residuals exceed the stated uncertainties, which chance alone does in" in out
     assert ("the model or the uncertainties do not suit the data" in out) == doubted
+
+
+@pytest.mark.parametrize(("fluid", "told"), [("R407C", True), ("R407C.mix", False), ("R134a", False)])
+def test_a_fit_says_that_condensing_temperatures_of_its_points_are_not_dew_points(fluid, told, tmp_path, capsys):
+    """Makers' sheets have dew points: of R407C at 40 °C of its bubble point 4.9 K above, by CoolProp."""
+    pressures = "  suction: {pressure: 1.5 bar, temperature: 283 K}\n  discharge: {pressure: 12 bar}\n"
+    lines = "  evaporating_temperature: 0 degC\n  condensing_temperature: 40 degC\n  superheat: 10 K\n"
+    machine = SCENE.replace(pressures, lines).replace("R134a", fluid)
+    print_calibration(calibrate(read_fit(write_fit(tmp_path, scene=machine)), jobs=1, simulate=plane))
+    out = " ".join(capsys.readouterr().out.split())
+    assert ("dew point in the condenser, of R407C 4.9 K above the bubble point" in out) == told
 
 
 @pytest.mark.parametrize(

@@ -190,6 +190,16 @@ def test_a_temperature_in_celsius_under_kelvin_is_told(reading, line, tmp_path):
     assert told[0].startswith(line) and told[1].startswith("points.csv:4:1: discharge_temperature: 66 K"), told
 
 
+def test_efficiencies_in_percent_without_their_unit_are_refused_as_in_options(tmp_path):
+    head = "operation.speed [rpm],volumetric_efficiency{0},volumetric_efficiency_uncertainty{0}\n"
+    rows = "1000,92,0.5\n2000,90,0.5\n3000,89,0.5\n"
+    first, *_ = faults(tmp_path, points=head.format("") + rows)
+    remedy = "(write the unit behind the column's name: volumetric_efficiency [%])"
+    assert first == f"points.csv:2:6: volumetric_efficiency: 92 is 9200 % {remedy}"
+    fit = read_fit(write_fit(tmp_path, points=head.format(" [%]") + rows))
+    assert fit.points[0].measured["volumetric_efficiency"] == pytest.approx((0.92, 0.005))
+
+
 def test_too_few_data_are_told(tmp_path):
     points = "\n".join(POINTS.splitlines()[:3]) + "\n"
     (line,) = faults(tmp_path, points=points)

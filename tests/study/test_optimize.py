@@ -514,6 +514,14 @@ def test_a_wrong_question_is_refused_in_one_line(asked, message):
     assert "\n" not in str(refusal.value)
 
 
+def test_points_take_gauge_pressures_over_the_scenes_ambient_one(tmp_path):
+    file, p_d = tmp_path / "points.csv", "operation.discharge.pressure"
+    file.write_text(f"{p_d} [bar(g)], operation.suction.temperature [degF]\n7, 68\n8, 50\n")
+    points = read_points(scene().with_({"operation.ambient_pressure": "0.9 bar"}), str(file)).points
+    assert [point.values[p_d] for point in points] == pytest.approx([7.9e5, 8.9e5])
+    assert [point.values["operation.suction.temperature"] for point in points] == pytest.approx([293.15, 283.15])
+
+
 def test_an_approach_of_nothing_is_refused(chilled):
     cold = with_values(chilled, {"operation.condensing_temperature": 308.15})
     with pytest.raises(

@@ -52,6 +52,17 @@ def swept(folder: Path, evaporating: str, condensing: str, more: str = "", simul
     return open_results(folder / "map.h5")
 
 
+@pytest.mark.parametrize(("fluid", "told"), [("R407C", True), ("R407C.mix", False), ("R134a", False)])
+def test_a_map_says_that_its_condensing_temperatures_are_not_dew_points(tmp_path, capsys, fluid, told):
+    """R407C at 40 °C of its bubble point: dew point by CoolProp, 4.9 K above."""
+    file = str(swept(tmp_path, *AXES, f"gas: {{fluid: {fluid}}}\n").path)
+    words = "dew point in the condenser, of R407C 4.9 K above the bubble point that D is here"
+    exit_code(["map", file, "--figure", "shaft_power"])
+    assert (words in " ".join(capsys.readouterr().out.split())) == told
+    exit_code(["map", file, "--figure", "shaft_power", "--json"])
+    assert (words in json.loads(capsys.readouterr().out).get("convention", "")) == told
+
+
 def test_an_exact_cubic_is_recovered(tmp_path):
     (found,) = performance_maps(swept(tmp_path, *AXES), NO_CAPACITY)
     assert (found.points, found.not_ok) == (15, 1)

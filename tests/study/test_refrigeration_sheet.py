@@ -20,7 +20,12 @@ from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet import SheetOptions, sheet_of
 from screwsim.study.datasheet.bounds import envelope, limits_of
 from screwsim.study.datasheet.rated import rating
-from screwsim.study.datasheet.refrigeration_sheet import rating_request, refrigeration_sheet
+from screwsim.study.datasheet.refrigeration_sheet import (
+    convention_notes,
+    rating_request,
+    refrigerant_line,
+    refrigeration_sheet,
+)
 from screwsim.study.datasheet.sheet import warning_lines
 from screwsim.study.datasheet.tables import part_load_note
 from screwsim.study.part_load import LOADS, NEAR, RATIO_PATH, Control, controls, part_load, ratios
@@ -58,6 +63,36 @@ def test_a_point_of_the_table_is_that_of_a_run(rated, sheet):
     table = sheet.tables[0]
     assert (table.title, table.heads[2].split(), table.rows[1][0]) == ("Cooling capacity [kW]", ["5", "°C"], "45 °C")
     assert float(table.rows[1][2].strip("*\u00a0")) == pytest.approx(1e-3 * found.cooling_capacity, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("fluid", "points"),
+    [("R407C", "condensing temperatures are bubble points"), ("R407C.mix", "temperatures are dew points"), ("R32", "")],
+)
+def test_a_sheet_says_which_points_its_temperatures_are(fluid, points):
+    scene = screwsim.load(CONFIGS / "r134a" / "point.yaml", overrides=[f"gas.fluid={fluid}"])
+    asked = rating_request(scene, *RANGES, {})
+    assert refrigerant_line(asked)[1].endswith(f"; {points}" if points else "subcooling 0 K")
+    notes = convention_notes(asked)
+    assert [" 4.7 K above the bubble point" in note for note in notes] == ([True] if fluid == "R407C" else [])
+
+
+@pytest.mark.parametrize(
+    ("suction", "told"),
+    [
+        ({"pressure": "3 bar", "temperature": "20 degC"}, "suction gas of 20 °C"),
+        ({"pressure": "3 bar", "superheat": "7 K"}, "superheat 7 K"),
+    ],
+)
+def test_a_first_stage_that_states_its_suction_pressure_has_the_superheat_that_it_states(suction, told):
+    """The second one states its condensing temperature, so that both have a sheet of refrigeration."""
+    lines = {"evaporating_temperature": None, "condensing_temperature": None, "superheat": None}
+    lines |= {"suction": suction, "discharge": {"pressure": "8 bar"}}
+    machine = screwsim.load(CONFIGS / "r134a" / "point.yaml")
+    asked = rating_request(machine, *RANGES, {})
+    first = machine.with_({f"operation.{key}": value for key, value in lines.items()})
+    both = replace(asked, scenes=(first, machine))
+    assert refrigerant_line(both) == ("refrigerant", f"R134a, {told}, subcooling 0 K")
 
 
 def test_the_tables_are_those_of_the_trade(sheet):

@@ -422,6 +422,20 @@ def test_faults_are_said(chain, more, words):
     assert words in str(caught.value)
 
 
+@pytest.mark.parametrize(("fluid", "refused"), [("R407C", True), ("R454B", True), ("R410A", False), ("R134a", False)])
+def test_a_flash_tank_is_refused_where_its_vapour_has_another_composition(chain, fluid, refused):
+    """R407C, although it is described as if it were pure; R410A boils within a tenth of a kelvin."""
+    gas = {"gas.fluid": fluid, "gas.model": "real"}
+    operation = {f"operation.{key}": value for key, value in CONDENSED["operation"].items()}
+    stated = {"operation.suction": DROP, "operation.discharge": DROP, **operation}
+    path = chain({"kind": "economizer"}, high={**gas, **stated}, low=gas)
+    if not refused:
+        assert read_stages(path).intercooler.flashes
+        return
+    with pytest.raises(SceneError, match=f"vapour boiling off {fluid}, a blend, differs from it in composition"):
+        read_stages(path)
+
+
 def test_the_command_runs_stages_and_scenes(chain, capsys):
     path = chain()
     assert is_stages(path)

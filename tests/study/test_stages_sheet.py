@@ -13,11 +13,13 @@ from screwsim.cli import exit_code
 from screwsim.effects.parts.rating import isentropic_power
 from screwsim.fluid import constants
 from screwsim.outputs import Figures, Result
+from screwsim.outputs.customary import RPM
 from screwsim.scene import with_values
-from screwsim.study.datasheet import SheetOptions, sheet_of
+from screwsim.study.datasheet import SheetOptions, sheet_of, stages_air
 from screwsim.study.datasheet.air_sheet import FAN_CONTROL
 from screwsim.study.datasheet.stages_sheet import best_intermediate
-from screwsim.study.stages import read_stages, run_stages
+from screwsim.study.datasheet.units import METRIC
+from screwsim.study.stages import ChainResult, read_stages, run_stages
 
 pytestmark = pytest.mark.around
 LOW = {
@@ -276,6 +278,20 @@ def test_a_packages_points_begin_at_full_flow(package, aired):
     assert float(rows[0][5]) == pytest.approx(1e-3 * found.package_input_power, abs=0.051)
     assert table(aired, "Energy over the profile").rows
     assert any("10 CFR" in note for note in aired.notes)
+
+
+def test_speeds_of_a_package_are_those_that_motors_on_the_mains_reach(package, monkeypatch):
+    """Not those at which they give no torque; that of a stage without such a motor, or without a result, is as set."""
+    chain, set_at = read_stages(package), (3000.0 * RPM, 1200.0 * RPM)
+    found = run_stages(chain)
+    low = replace(found.stages[0], performance=Figures({**found.stages[0].performance, "mean_speed": 2910.0 * RPM}))
+    slow, failed = replace(found, stages=(low, found.stages[1])), ChainResult("failed", "no result")
+    for one, rpm in ((slow, (2910.0, 1200.0)), (failed, (3000.0, 1200.0))):
+        monkeypatch.setattr(stages_air, "_rated", lambda *_, one=one: ([set_at], [one]))
+        sheet = stages_air.air_stages_sheet(chain, demands=(), jobs=1, progress=None, units=METRIC)
+        assert table(sheet, "Points").rows[0][:2] == [f"{each:.0f}" for each in rpm]
+        point = sheet.document["points"][0]
+        assert (point["first_speed"] / RPM, point["second_speed"] / RPM) == pytest.approx(rpm)
 
 
 @pytest.mark.parametrize(

@@ -107,6 +107,24 @@ def test_a_rating_that_has_no_solution_is_told_and_not_left_out(rated, row, comp
         compare.found(scene, [rated.rating(row)])
 
 
+def test_losses_of_lambda_at_any_speed_and_by_the_time_of_a_turn_are_told_apart(compare_of):
+    slow, full = (1.0 - 0.02 - 0.05 * 50.0 / frequency for frequency in (25.0, 50.0))
+    assert compare_of("hsk").split(slow, full) == "2.0 + 5.0 points"
+
+
+def test_a_tried_machine_without_solution_is_told_and_counted_only_where_its_oil_may_be_too_hot(
+    compare_of, monkeypatch
+):
+    choices = compare_of("hsk").choices
+    dry, oily = (screwsim.load(ROOT / "configs" / "r134a" / f"{name}.yaml") for name in ("compact", "separator"))
+    good = Result("ok", performance=Figures(dict.fromkeys(FIGURES, 0.9)))
+    results = iter([Result("failed", "too hot"), good, good, Result("failed", "too hot")])
+    monkeypatch.setattr(choices, "simulate", lambda scene, trace: next(results))
+    assert choices.told(oily, [({}, 88.0, 87.0)] * 3) == "2.0/3.0, 1 of 3 too hot"
+    with pytest.raises(NotRun, match="too hot"):
+        choices.told(dry, [({}, 88.0, 87.0)])
+
+
 def test_curves_have_the_nominal_values_printed_beside_them(compare_of):
     compare = compare_of("co2")
     every = compare.compressors(CO2)

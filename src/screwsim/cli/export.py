@@ -299,7 +299,7 @@ def en12900(
     with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
         optional = (name for name in made_for.OPTIONAL_FIGURES if name in results.figures)
         found = polynomials(results, [*made_for.FIGURES, *optional])
-    if other := made_for.other_convention(found):
+    if other := made_for.other_condensing(found):
         typer.echo(f"export: {other}", err=True)
     document = made_for.en12900_document(found, ip)
     file = _write_content(output, made_for.en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)

@@ -28,7 +28,6 @@ from screwsim.effects.parts.port_window import (
 )
 from screwsim.effects.parts.usual import Sized
 from screwsim.fluid import constants
-from screwsim.fluid.composition import is_blend
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.declare import FoundWithCycle, choice, quantity
 from screwsim.inputs.faults import Fault
@@ -205,7 +204,7 @@ def economizer_figures(parameters: Parameters, drawn: Drawn) -> Given:
     if h_c is None or q_0 is None or ratio is None:
         return found
     if parameters.boils:
-        wanted = h_c - constants.saturated_liquid_enthalpy(site.fluid, T)
+        wanted = h_c - constants.wet_enthalpy(site.fluid, drawn.reservoir.p, 0.0)
     else:
         wanted = h_c - constants.liquid_enthalpy(site.fluid, site.p_d, T + parameters.approach)
     vapour = constants.vapour_enthalpy(site.fluid, drawn.reservoir.p, T + parameters.superheat)
@@ -245,7 +244,7 @@ def check(parameters: Parameters, facts) -> Faults:
         yield Fault(f"effects.{NAME}.temperature", "is missing (write e.g. temperature: 15 degC, or pressure: 5 bar)")
     elif T is not None and p is not None:
         yield Fault(f"effects.{NAME}.temperature", "is given as well as pressure (remove one of the two)")
-    elif parameters.boils and is_blend(fluid) and (found or limits is not None):
+    elif parameters.boils and constants.parts_on_boiling(fluid) and (found or limits is not None):
         what = f"the vapour that boils off {fluid}, a blend, has a different composition from the blend"
         yield Fault(f"effects.{NAME}.kind", f"{what} (write kind: {HEAT_EXCHANGER}, or name a pure fluid)")
     elif found:

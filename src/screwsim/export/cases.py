@@ -6,16 +6,15 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from ruamel.yaml import YAML
 
 from screwsim.figures.engineering import figure_unit, shown_name
 from screwsim.fluid.constants import gas_constant
-from screwsim.fluid.settings import GasSettings
 from screwsim.outputs import PERFORMANCE, Figure
 from screwsim.outputs.customary import RPM, ZERO_CELSIUS
 from screwsim.outputs.us_units import BTU, CFM, FOOT, GALLON, HORSEPOWER, INCH, POUND, POUND_FORCE, PSI
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder, write_csv
+from screwsim.results.fluid_name import fluid_name
 from screwsim.results.protection import protect_other_heads
 from screwsim.results.read import STAGES
 from screwsim.results.schema import Axis, cf_unit
@@ -148,10 +147,9 @@ def _volume_flows(results: Results, units: str) -> Iterator[CaseColumn]:
     if any(path.startswith("gas.") for path in results.varied):
         return
     T, p = STANDARD[units]
-    gas = YAML(typ="safe", pure=True).load(results.scene_yaml)["gas"]
-    fluid = GasSettings(**{key: gas.get(key) for key in ("fluid", "mass_fractions", "mole_fractions")}).name
     wet = results.performance[HUMIDITY] if HUMIDITY in results.figures else 0.0
-    flow = (results.performance[FLOW] / (1.0 + wet)).ravel() * gas_constant(fluid) * T / p  # [m³/s], without the water
+    volume = gas_constant(fluid_name(results)) * T / p  # [m³/kg]
+    flow = (results.performance[FLOW] / (1.0 + wet)).ravel() * volume  # [m³/s], without the water
     name, factor = ("MMSCFD", 86400e-6 / FOOT**3) if units == US else ("Nm3/h", 3600.0)
     yield CaseColumn("standard flow", name, factor * flow)
 

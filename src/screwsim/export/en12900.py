@@ -6,8 +6,6 @@ from typing import Any
 import numpy as np
 
 from screwsim.export.polynomials import Polynomials, document, temperature_limits
-from screwsim.fluid import constants
-from screwsim.fluid.composition import is_blend
 from screwsim.outputs.us_units import BTU, POUND
 from screwsim.scene.operation import SUBCOOLING
 from screwsim.scene.units import ZERO_CELSIUS
@@ -27,7 +25,6 @@ HEAD_LINE = "table,map,figure,unit"  # of the coefficients' table
 RATED_STEPS = 6  # rated temperatures along each axis
 FOLLOWED = (("path", "values"), ("of", "at"))
 WITH_UNIT = ("oil_supply.ratio", "quality")  # ends of paths of mass ratios
-GLIDES = 0.1  # [K] distance of dew and bubble point in the condenser above which it is told
 
 
 def _condition_lines(found: Polynomials, ip: bool) -> Iterator[str]:
@@ -54,23 +51,9 @@ def _shown(path: str, value: Any, ip: bool) -> str:
     return f"{value:.6g} kg/kg" if path.endswith(WITH_UNIT) else f"{value:.6g}"
 
 
-def other_convention(found: Polynomials) -> str:
-    """Return that the condensing temperatures are not the standards', of a fluid with glide that has bubble points.
-
-    Empty where they are: of a pure fluid, and of a blend, whose temperatures are dew points (M316).
-    """
-    if found.condensing == "dew":
-        return ""
-    low, high = temperature_limits(found.maps[0])[1]
-    middle = 0.5 * (low + high) + ZERO_CELSIUS
-    pressure = constants.condensing_pressure(found.fluid, middle)
-    glide = constants.saturation_temperature(found.fluid, pressure) - middle
-    if glide <= GLIDES:
-        return ""
-    blend = f"{found.fluid}.mix"
-    remedy = f"write gas.fluid: {blend}" if is_blend(blend) else "add it to compare"
-    above = f"of {found.fluid} {glide:.2g} K above the bubble point that D is here"
-    return f"EN 12900 and AHRI 540 state the dew point in the condenser, {above} ({remedy})"
+def other_condensing(found: Polynomials) -> str:
+    """Return that the condensing temperatures are not the standards' (`other_convention`); empty where they are."""
+    return "" if found.condensing == "dew" else found.maps[0].other_convention(found.fluid)
 
 
 def _envelope(one: PerformanceMap, ip: bool) -> list[list[float]]:
@@ -84,7 +67,7 @@ def _corners(one: PerformanceMap, ip: bool) -> str:
 
 def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     """Return the coefficients, then the rated points in the envelope, of each map."""
-    other = other_convention(found)
+    other = other_condensing(found)
     degree = "degF" if ip else "degC"
     valid = [(found.titled(one, "the map"), _corners(one, ip)) for one in found.maps]
     lines = [
@@ -149,5 +132,5 @@ def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
     if ip:
         said |= {key: said[key].replace("degC", "degF") for key in ("S", "D")}
         said["units"] = {figure: unit_of(found, figure, True)[0] for figure in found.units}
-    other = other_convention(found)
+    other = other_condensing(found)
     return said | ({"convention": other} if other else {}) | {"maps": maps}

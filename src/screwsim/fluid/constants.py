@@ -20,6 +20,7 @@ from screwsim.fluid.blend_dome import blend_wet
 from screwsim.fluid.blend_flash import table_name
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.coolprop_cache import no_fluid
+from screwsim.fluid.description import describe
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.identity_cache import keep
 from screwsim.numerics.store import append_line, checked_line, read_lines
@@ -30,6 +31,7 @@ _MOST = 5000  # most answers in memory
 _LEFT = 1000  # most answers of a process that go into the file: those that its scenes need at their start
 LEAST_HEAT_CAPACITY = 2.5  # [R] cp0 of any gas: that of the motion of whole molecules,
 ROUNDING = 1e-6  # a share of which CoolProp's may miss
+BOILED_AT, PARTS_FROM = 1.01325e5, 1.0  # [Pa], [K]: glide there from which a pseudo-pure fluid parts as it boils
 _alone = threading.RLock()  # setting a CoolProp state and reading it must not interleave
 
 
@@ -179,6 +181,21 @@ def boiling_temperature(fluid: str, p: float) -> float:
     """Return the saturation temperature [K] of liquid (the bubble point) at pressure p [Pa]."""
     mixed = blend_of(fluid)
     return _saturated(fluid, "T", "PQ_INPUTS", p, 0.0) if mixed is None else mixed.bubble_temperature(p)
+
+
+def glide(fluid: str, p: float) -> float:
+    """Return the dew point less the bubble point [K] at pressure p [Pa]."""
+    return saturation_temperature(fluid, p) - boiling_temperature(fluid, p)
+
+
+def parts_on_boiling(fluid: str) -> bool:
+    """Tell whether vapour that boils off has another composition than the liquid: of a blend, pseudo-pure or not."""
+    if is_blend(fluid):
+        return True
+    try:
+        return describe(fluid).pseudo_pure and glide(fluid, BOILED_AT) > PARTS_FROM
+    except UsageError:  # an unknown fluid, of which the checks of the scene tell
+        return False
 
 
 def liquid_below(fluid: str, p: float, T: float) -> float | None:

@@ -26,6 +26,7 @@ from screwsim.report.style import write_all
 from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.protection import protect_other_json, protect_other_text
 from screwsim.results.warning_kinds import kinds_of
+from screwsim.scene import conventions
 from screwsim.screen import say
 from screwsim.study.asked.inputs import in_customary, shown_number, shown_value
 from screwsim.study.calibration.fit import TOLERANCE_REMEDY, Parameter, Prior
@@ -43,9 +44,10 @@ _HALF_INTERVAL = "taken as half of a 95 % interval, two standard deviations (pri
 
 def calibration_document(found: Calibration) -> dict[str, Any]:
     """Return what `calibrate --json` prints, in SI units."""
-    known = found.certainty
+    known, other = found.certainty, conventions.of_scene(found.fit.scene)
     return {
         "title": found.fit.title,
+        **({"convention": other} if other else {}),
         "scene": os.path.relpath(found.fit.scene_file),
         **picked(found, "status", "message"),
         "accuracy": found.fit.scene.numerics.accuracy,
@@ -128,6 +130,8 @@ def print_calibration(found: Calibration) -> None:
     count = f"{found.solutions} solutions" + (f", {found.failed} without figures" if found.failed else "")
     print_text(f"{len(found.starts)} starts, seed {found.fit.seed}, {count}, {found.jacobians} Jacobians")
     print_wrapped(_methods(found))
+    if other := conventions.of_scene(found.fit.scene):
+        print_text(other)
     if found.message:
         print_text(f"{found.status}: {found.message}")
     if not found.values:

@@ -10,6 +10,7 @@ from screwsim.printing import write_json
 from screwsim.printing.tables import print_scene_title, print_table, print_text
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder
+from screwsim.results.fluid_name import fluid_name
 from screwsim.results.group import OWN
 from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.protection import protect_other_json
@@ -34,12 +35,14 @@ BY_INPUTS = ("by tolerances", "by_inputs")
 def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, Any]:
     """Return what `map --json` prints: the formula, the conditions, one map per point of the other axes."""
     figures = next(each.fits for each in maps if each.fits)
+    others = _other_conventions(results, maps)
     return {
         "file": str(results.path),
         "title": results.attributes["title"],
         "formula": FORMULA,
         "S": "evaporating temperature, degC",
         "D": "condensing temperature, degC",
+        **({"convention": "; ".join(others)} if others else {}),
         "units": {figure: results.figure(figure).units for figure in figures},
         "conditions": conditions(results),
         "follows": followers(results),
@@ -48,11 +51,19 @@ def map_document(results: Results, maps: Sequence[PerformanceMap]) -> dict[str, 
     }
 
 
+def _other_conventions(results: Results, maps: Sequence[PerformanceMap]) -> list[str]:
+    """Return, once each, that condensing temperatures of the maps are not those of EN 12900 and AHRI 540."""
+    fluid = fluid_name(results)
+    return list(dict.fromkeys(filter(None, (one.other_convention(fluid) for one in maps if one.envelope))))
+
+
 def print_maps(results: Results, maps: Sequence[PerformanceMap]) -> None:
     """Print the coefficients of each map with errors and envelope."""
     print_scene_title(results.attributes["title"])
     print_text(FORMULA)
     print_text("S evaporating, D condensing temperature in °C; X in the unit of its column")
+    for other in _other_conventions(results, maps):
+        print_text(other)
     print_text("left-out error: the largest error at a point of the fit to all others")
     if any(ELECTRICAL in each.fits for each in maps) and not any(SHAFT in each.fits for each in maps):
         print_text("power: electrical power (--figure shaft_power for the power at the shaft)")

@@ -5,22 +5,24 @@ from __future__ import annotations
 import dataclasses
 import types
 import typing
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import Any
 
 from screwsim.effects import catalogue
 from screwsim.inputs.declare import KINDS, LEAF, Leaf
+from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import names_containing, nearest, paths_ending_in
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW, find_machine
 from screwsim.scene.types import Scene
-from screwsim.scene.units import Refused
+from screwsim.scene.units import Gauge, Refused
 
 # parts of a scene that are not plain sections
 NOT_SECTIONS = ("effects", "sweep", "joints", "text", "folder", "losses", "uncertain", "correlated", "model_error")
 SWEEPABLE = {*KINDS, "number", "count", "choice", "fluid"}
-FIXED = {"machine.kind", "operation.ambient_pressure"}  # another scene; gauge pressures depend on the ambient one
+AMBIENT = "operation.ambient_pressure"
+FIXED = {"machine.kind", AMBIENT}  # another scene; gauge pressures depend on the ambient one
 _MANY = 4  # most paths that a message lists
 
 
@@ -114,6 +116,21 @@ def leaves_of(scene: Scene) -> dict[str, Leaf]:
 def varies(path: str, leaf: Leaf) -> bool:
     """Tell whether an input may be varied by a sweep."""
     return leaf.kind in SWEEPABLE and path not in FIXED
+
+
+def gauge_texts(scene: Scene, changed: Collection[str]) -> dict[str, str]:
+    """Return {path: text} of gauge pressures as they were written, but for those at or below paths that are `changed`.
+
+    So they follow a changed ambient pressure. Raise UsageError where one on an axis or with a tolerance would not.
+    """
+    known = {path: [value] for path in leaves_of(scene) if isinstance(value := value_at(scene, path), Gauge)}
+    known |= {f"sweep.{path}": [each for each in axis if isinstance(each, Gauge)] for path, axis in scene.sweep.items()}
+    below = tuple(f"{path}." for path in changed)
+    known = {path: values for path, values in known.items() if values and not f"{path}.".startswith(below)}
+    fixed = [path for path in known if path in scene.uncertain or path.startswith("sweep.")]
+    if fixed and AMBIENT in changed:
+        raise UsageError(f"with_: {AMBIENT}: {fixed[0]} was read relative to the former one (state it anew as well)")
+    return {path: values[0].written for path, values in known.items() if path not in fixed}
 
 
 def effect_keys(path: str, names: Iterable[str]) -> tuple[str, list[str]]:

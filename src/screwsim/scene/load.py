@@ -18,7 +18,7 @@ from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_
 from screwsim.machine.kinds import MACHINES, TWIN_SCREW
 from screwsim.scene.checks import check_files, cross_check
 from screwsim.scene.derived_values import with_derived_values
-from screwsim.scene.fields import leaf_paths, scene_section
+from screwsim.scene.fields import gauge_texts, leaf_paths, scene_section
 from screwsim.scene.file_kinds import other_file
 from screwsim.scene.model_errors import BLOCK, read_model_error
 from screwsim.scene.sections import find_kind, read_effects, read_section
@@ -73,6 +73,7 @@ def changed_scene(scene: Scene, values: Mapping[str, Any], without: Iterable[str
     A text is read as in a file ('3000 rpm', 'off'); None removes a value. Raise `SceneError` or `UsageError`.
     """
     texts = {path: value if isinstance(value, str) else flow_text(value, path) for path, value in values.items()}
+    texts = gauge_texts(scene, (*values, *(f"effects.{name}" for name in without))) | texts
     overrides = [f"{path}={text}" for path, text in texts.items()]
     return loads(scene.text or scene_text(scene), "<scene>", scene.folder, overrides, without, told="with_: ")
 

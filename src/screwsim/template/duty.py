@@ -7,6 +7,7 @@ import math
 from typing import NamedTuple
 
 from screwsim.fluid import constants
+from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import in_celsius
 from screwsim.scene.units import ZERO_CELSIUS
@@ -117,16 +118,24 @@ def _possible_condition(limits: constants.Limits) -> str:
     return f"{low:.1f}/{high:.1f} degC"
 
 
-def conditions(duty: Duty) -> dict[str, str]:
+def conditions(duty: Duty, fluid: str) -> dict[str, str]:
     """Return the temperatures of a duty as stated in a scene; the liquid stays warmer than the evaporator."""
     e, c = (f"{T - ZERO_CELSIUS:.6g}" for T in (duty.T_e, duty.T_c))
     return {
         "condition": f"{e}/{c} degC",
         "evaporating": f"{e} degC",
         "condensing": f"{c} degC",
+        "point": point_of_condensing(fluid),
         "superheat": duty.superheat,
         "subcooling": f"{min(5.0, 0.5 * (duty.liquid - duty.T_e)):.4g} K",
     }
+
+
+def point_of_condensing(fluid: str) -> str:
+    """Return a comment where the condensing temperature of a fluid with glide is its bubble point; empty elsewhere."""
+    if is_blend(fluid) or not constants.parts_on_boiling(fluid):
+        return ""
+    return f"    # bubble point; of fluid: {fluid}.mix it is the dew point, as on makers' sheets"
 
 
 def motor_in_gas(fluid: str) -> bool:

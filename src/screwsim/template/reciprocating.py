@@ -146,7 +146,7 @@ def _text(
     rated = sizes.motor_for(max(lossless / ESTIMATED_EFFICIENCY, (lossless + lost) / BESIDE_VALVES))
     T_s = duty.T_e + duty.more
     values = {
-        **_warm_side(duty, cooled),
+        **_warm_side(duty, fluid, cooled),
         "known": of.known,
         "evidence": of.evidence,
         "fluid": fluid,
@@ -171,12 +171,12 @@ def _text(
 
 
 def _drive(fluid: str, efficiency: str) -> dict[str, str]:
-    """Return the efficiency of the motor, what cools it, and where its heat goes."""
+    """Return the efficiency of the motor, and what cools it."""
     if not duties.motor_in_gas(fluid):
         told = "Open drive, as the gas attacks copper"
-        return {"efficiency": efficiency, "stands": told, "backflow": ""}
+        return {"efficiency": efficiency, "stands": told}
     told = "Semi-hermetic: the suction gas cools the motor"
-    return {"efficiency": f"{efficiency}, cooling: suction_gas", "stands": told, "backflow": "  suction_line: {}\n"}
+    return {"efficiency": f"{efficiency}, cooling: suction_gas", "stands": told}
 
 
 def _reed(side: str, valve: valves.Valve, piston: float, speed: float) -> str:
@@ -198,11 +198,11 @@ def _reed(side: str, valve: valves.Valve, piston: float, speed: float) -> str:
     return "".join(f"    {side}_{name}: {value}    # {told}\n" for name, value, told in entries)
 
 
-def _warm_side(duty: Duty, cooled: bool) -> dict[str, str]:
+def _warm_side(duty: Duty, fluid: str, cooled: bool) -> dict[str, str]:
     """Return the temperatures of a duty and its lines: of a condenser, or of a gas cooler."""
-    told = conditions(duty)
+    told = conditions(duty, fluid)
     if not cooled:
-        lines = ("condensing_temperature: {condensing}", "superheat: {superheat}", "subcooling: {subcooling}")
+        lines = ("condensing_temperature: {condensing}{point}", "superheat: {superheat}", "subcooling: {subcooling}")
     else:
         pressure = f"{1e-5 * duty.p_d:.1f} bar"
         told["condition"] = f"{told['evaporating']}, gas cooler {pressure}/{told['condensing']}"

@@ -88,7 +88,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
     substitute = substitute_properties(fluid, *_reference(duty))
     viscosity = "" if substitute is None else f",\n    gas_viscosity: {1e3 * substitute[1]:.3g} mPa s"
     values = {
-        **conditions(duty),
+        **conditions(duty, fluid),
         **_drive(fluid, _power(duty, asked), asked.motor),
         "bore": sizes.mm(bore, 2),
         "jet": f"{1e-5 * drop:.2g} bar",

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 
 from screwsim.figures import declared
 from screwsim.inputs.declare import KINDS, Kind
+from screwsim.outputs import EFFICIENCY
 from screwsim.outputs.customary import RPM
 from screwsim.outputs.display import si_unit
 from screwsim.outputs.us_units import CFM, HORSEPOWER, POUND
@@ -41,12 +42,20 @@ UNITS = {
     "s": {"s": 1.0, "h": 3600.0},
 }
 CELSIUS = "degC"
+MOST_EFFICIENCY = 1.5  # a number without a unit from this one on is meant in %
 
 
 def units_of(figure: str) -> Mapping[str, float]:
     """Return the factors to SI units of the units in which a figure may be stated."""
     si = declared(figure).units
     return UNITS.get(si, {si: 1.0})
+
+
+def bare_percent(figure: str, number: str) -> str:
+    """Return that an efficiency written as a number without a unit is meant in %; empty for any other figure."""
+    if declared(figure).scale != EFFICIENCY or abs(float(number)) < MOST_EFFICIENCY:
+        return ""
+    return f"is {100.0 * float(number):g} % (write {number} %, or {float(number) / 100.0:g})"
 
 
 def quantity_of(figure: str, kind: str, unit: str) -> Kind | None:

@@ -6,16 +6,13 @@ from typing import NamedTuple
 
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import EFFICIENCY
 from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene import Scene
 from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.units import NUMBER, gauge_pressures_over, parse_quantity, refused_at, tidy_unit
-from screwsim.study.asked.figure_units import CELSIUS, UNITS, quantity_of
+from screwsim.study.asked.figure_units import CELSIUS, UNITS, bare_percent, quantity_of
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.asked.varied import Varied
-
-MOST_EFFICIENCY = 1.5  # a number without a unit from this one on is meant in %
 
 
 class Goal(NamedTuple):
@@ -91,9 +88,8 @@ def read_figure(figure: str, text: str, where: str, kind: str = "figure") -> flo
     if unit == CELSIUS and celsius:
         return number + ZERO_CELSIUS
     if unit in units:
-        if not unit and declared(figure).scale == EFFICIENCY and abs(number) >= MOST_EFFICIENCY:
-            remedy = f"write {match[1]} %, or {number / 100.0:g}"
-            raise UsageError(f"{where}: {figure} {match[1]} is {100.0 * number:g} % ({remedy})")
+        if not unit and (meant := bare_percent(figure, match[1])):
+            raise UsageError(f"{where}: {figure} {match[1]} {meant}")
         return number * units[unit]
     with refused_at(where):
         if quantity := quantity_of(figure, kind, unit):

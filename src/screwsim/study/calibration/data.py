@@ -27,7 +27,7 @@ from screwsim.scene.units import (
 )
 from screwsim.scene.values import convert, shown
 from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
-from screwsim.study.asked.figure_units import CELSIUS, UNITS, quantity_of, units_of
+from screwsim.study.asked.figure_units import CELSIUS, UNITS, bare_percent, quantity_of, units_of
 from screwsim.study.calibration.fit import Measurement, Point
 
 MOST_POINTS = 10_000  # per fit
@@ -273,6 +273,8 @@ def _value(column: _Column, text: str) -> Any:
     if not re.fullmatch(NUMBER, text):
         raise Refused(f"{shown(text)} is not a number (write e.g. 0.5; units go in the first line)")
     value = float(text) if column.quantity is None else float(parse_quantity(column.quantity, f"{text} {column.unit}"))
+    if column.kind == "figure" and not column.unit and (meant := bare_percent(column.of, text)):
+        raise Refused(f"{text} {meant.partition(' (')[0]} (write the unit behind the column's name: {column.of} [%])")
     if column.kind == "uncertainty" and not value > 0.0:
         raise Refused(f"{text} is out of range (an uncertainty must be greater than 0)")
     if column.quantity is not None:

@@ -10,7 +10,7 @@ from typing import Any
 from screwsim.figures.engineering import shown_name
 from screwsim.fluid.composition import is_blend
 from screwsim.outputs.customary import with_printed_units
-from screwsim.scene import Scene, value_at
+from screwsim.scene import Scene, conventions, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.scene.units import ZERO_CELSIUS
@@ -54,7 +54,7 @@ def refrigeration_sheet(rated: SceneRating, heating: bool = False) -> Sheet:
         title=with_printed_units(scene.title),
         lines=list(_lines(rated, heating)),
         tables=list(tables_of(rated, heating)),
-        notes=list(tables.notes_of(rated, own_point(rated.asked), DISCLAIMER)),
+        notes=[*convention_notes(rated.asked), *tables.notes_of(rated, own_point(rated.asked), DISCLAIMER)],
         drawings=list(_drawings(rated)),
         document={
             "kind": "refrigeration",
@@ -95,11 +95,21 @@ def _economizer_line(rated: SceneRating, found: Mapping[str, Any]) -> Iterator[t
 def refrigerant_line(asked: RatingRequest) -> tuple[str, str]:
     """Return the refrigerant, its state at the inlet, and its subcooling behind the last machine."""
     cold, hot, name = asked.scenes[0].operation, asked.scenes[-1].operation, asked.scenes[0].gas.name
-    quality = cold.suction.quality
-    superheat, subcooling = (asked.units.difference(each or 0.0) for each in (cold.superheat, hot.subcooling))
-    suction = f"superheat {superheat}" if quality is None else f"suction quality {quality:.4g}"
-    below = f", subcooling {subcooling}" if hot.gas_cooler is None else ""
-    return "refrigerant", f"{name}, {suction}{below}{'; temperatures are dew points' if is_blend(name) else ''}"
+    quality, T = cold.suction.quality, cold.suction.temperature
+    superheat = cold.superheat if cold.suction.superheat is None else cold.suction.superheat
+    suction = f"superheat {asked.units.difference(superheat or 0.0)}"
+    if quality is not None or T is not None:
+        suction = f"suction gas of {asked.units.degrees(T)}" if T is not None else f"suction quality {quality:.4g}"
+    below = f", subcooling {asked.units.difference(hot.subcooling or 0.0)}" if hot.gas_cooler is None else ""
+    points = "; temperatures are dew points" if is_blend(name) else ""
+    points = "; condensing temperatures are bubble points" if convention_notes(asked) else points
+    return "refrigerant", f"{name}, {suction}{below}{points}"
+
+
+def convention_notes(asked: RatingRequest) -> list[str]:
+    """Return that the condensing temperatures are not those of EN 12900 and AHRI 540; nothing where they are."""
+    other = conventions.of_scene(asked.scenes[-1])
+    return [other] if other else []
 
 
 def heating_line(rated: Rating[Any]) -> tuple[str, str]:

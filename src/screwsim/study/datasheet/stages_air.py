@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from screwsim.build import package_of
+from screwsim.figures import rotor_speed
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.customary import RPM, with_printed_units
@@ -56,14 +57,15 @@ def air_stages_sheet(
     units: Units,
 ) -> Sheet:
     """Return the sheet of two stages of air, with the energy of demands; raise UsageError for axes but speeds."""
-    speeds, found = _rated(chain, jobs, progress)
-    points = [Point(own[0], each.as_result()) for own, each in zip(speeds, found, strict=True)]
+    own, found = _rated(chain, jobs, progress)
+    speeds = [_reached(each, result) for each, result in zip(own, found, strict=True)]
+    points = [Point(both[0], each.as_result()) for both, each in zip(speeds, found, strict=True)]
     rated = Rating(points, None, None, len(points) > 1, "", units=units)
     shares = year(rated, demands) if demands else ()
     heads = ("first rpm", "second rpm", *air_sheet.heads_of(units)[1:])
     rows = [
-        [*(f"{speed / RPM:.0f}" for speed in own), *air_sheet.point_row(point, rated.full, units)[1:]]
-        for own, point in zip(speeds, points, strict=True)
+        [*(f"{speed / RPM:.0f}" for speed in both), *air_sheet.point_row(point, rated.full, units)[1:]]
+        for both, point in zip(speeds, points, strict=True)
     ]
     tables = [Table("Points", heads, rows, across=True), *_stage_tables(speeds, points, found, units)]
     return Sheet(
@@ -95,6 +97,13 @@ def _rated(
     base, dead = grid.without_sweep(chain), ChainResult("failed", WORKER_DIED)
     found = answers_of([Part(partial(solved_with, base, case), dead) for case in cases], jobs, progress)
     return [(float(case[SPEEDS[0]]), float(case[SPEEDS[1]])) for case in cases], found
+
+
+def _reached(own: tuple[float, float], found: ChainResult) -> tuple[float, float]:
+    """Return the speeds [rad/s] of both stages' rotors: as set, or what a motor on the mains reaches."""
+    reached = [rotor_speed(each.performance, speed) for each, speed in zip(found.stages, own, strict=False)]
+    first, second = (*reached, *own[len(reached) :])
+    return first, second
 
 
 def _stage_tables(

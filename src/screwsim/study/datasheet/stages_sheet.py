@@ -70,7 +70,8 @@ def stages_sheet(rated: ChainRating, heating: bool = False) -> Sheet:
     chain, cold = rated.asked.chain, refrigerates(rated.asked.chain)
     kind = "Two-stage refrigeration compressors" if cold else "Two-stage gas compressors"
     disclaimer = refrigeration_sheet.DISCLAIMER if cold else gas_sheet.DISCLAIMER
-    notes = [*ignored_model_errors(chain), *tables.notes_of(rated, own_point(rated.asked), disclaimer)]
+    told = tables.notes_of(rated, own_point(rated.asked), disclaimer)
+    notes = [*ignored_model_errors(chain), *refrigeration_sheet.convention_notes(rated.asked), *told]
     return Sheet(
         heading=f"{kind}, rating by {' and '.join(rated.asked.axes_in_words)}",
         title=with_printed_units(chain.title),

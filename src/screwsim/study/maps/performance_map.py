@@ -14,6 +14,8 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results
+from screwsim.scene.conventions import other_convention
+from screwsim.scene.grid import FLUID
 from screwsim.scene.operation import CONDENSING, EVAPORATING, QUALITY, SUBCOOLING, SUPERHEAT, SUPERHEAT_S
 from screwsim.scene.types import COVERAGE
 from screwsim.scene.units import ZERO_CELSIUS
@@ -80,6 +82,11 @@ class PerformanceMap:
             side = (s_next - s) * (D - d) - (d_next - d) * (S - s)
             inside &= side >= -1e-9 * math.hypot(s_next - s, d_next - d)
         return inside
+
+    def other_convention(self, fluid: str) -> str:
+        """Return that the map's condensing temperatures are not those of the standards; empty where they are."""
+        middle = 0.5 * (min(D for _, D in self.envelope) + max(D for _, D in self.envelope))
+        return other_convention(str(self.values.get(FLUID, fluid)), middle + ZERO_CELSIUS, "D")
 
     def evaluate(self, figure: str, S: Any, D: Any) -> np.ma.MaskedArray:
         """Return a figure [SI] at temperatures [°C], masked outside the envelope."""

@@ -10,7 +10,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import Row, read_sheet, sheet_or_usage_error
 from screwsim.scene import Scene, leaf_of
 from screwsim.scene.operation import CONDENSING, EVAPORATING
-from screwsim.scene.units import NUMBER, ZERO_CELSIUS, refused_at
+from screwsim.scene.units import NUMBER, ZERO_CELSIUS, gauge_pressures_over, refused_at
 from screwsim.scene.values import convert
 from screwsim.study.asked.inputs import check_continuous
 from screwsim.study.optimize.seasons import SeasonalStandard, standards
@@ -203,5 +203,5 @@ def _value(scene: Scene, text: str, column: _Column, where: str) -> Any:
     leaf = leaf_of(scene, column.path)
     number = leaf.dimension is None and re.fullmatch(NUMBER, text)
     raw = (int(text) if leaf.kind == "count" and text.isdigit() else float(text)) if number else text
-    with refused_at(f"{where}: {column.path}"):
+    with refused_at(f"{where}: {column.path}"), gauge_pressures_over(scene.operation.ambient_pressure):
         return convert(leaf, f"{text} {column.unit}" if column.unit else raw, scene.folder)

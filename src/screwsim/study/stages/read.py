@@ -8,7 +8,7 @@ from typing import Any
 
 from screwsim.build import build_parts, package_of
 from screwsim.effects.base import CoolsOil, Plenum
-from screwsim.fluid.composition import is_blend
+from screwsim.fluid import constants
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.scene import Scene, load, scene_of
@@ -198,7 +198,7 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
     if second.gas.relative_humidity is not None:
         what = "states a relative_humidity, but the water that condenses between the stages is not modelled"
         problems.add(place, STAGES_KEY, f"{what} (remove it from both scenes, or run them one by one)")
-    if between.flashes and is_blend(second.gas.name):
+    if between.flashes and constants.parts_on_boiling(second.gas.name):
         what = f"vapour boiling off {second.gas.name}, a blend, differs from it in composition"
         remedy = "write kind: cooler, or name a pure fluid"
         problems.add(content["intercooler"].place, "intercooler.kind", f"{what} ({remedy})")
