@@ -51,6 +51,16 @@ def test_results_of_every_source_are_stored():
     assert all(source["status"] == "ok" for source in STORED["sources"].values())
 
 
+def test_what_new_cylinders_were_fitted_to_is_no_evidence():
+    """Their clearance and reeds are fitted to λ of two machines at all speeds; a third has no part in it."""
+    lambdas = [row for row in rows("varispeed") if row["quantity"].startswith("new, ") and ": λ, " in row["quantity"]]
+    kinds = {
+        others: {row["kind"] for row in lambdas if ("4CE-6.F1" in row["quantity"]) is not others}
+        for others in (True, False)
+    }
+    assert kinds == {True: {"calibrated"}, False: {"published"}}
+
+
 def test_stored_rows_have_known_kinds_and_verdicts():
     every = [row for source in STORED["sources"].values() for row in source["rows"]]
     assert {row["kind"] for row in every} <= set(KINDS)

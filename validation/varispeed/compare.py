@@ -39,7 +39,7 @@ TRIED = ((6.5, 0.1), (6.5, 0.2), (6.5, 0.25), (8.0, 0.25), (10.0, 0.1), (10.0, 0
 
 
 def fitted_to() -> Iterator[Row]:
-    """Yield new cylinders of the machines to whose λ at 50 Hz the clearance is fitted, then at the other speeds."""
+    """Yield new cylinders of the machines to whose λ clearance (at 50 Hz) and reeds (at all speeds) are fitted."""
     for model, ratings in written.others().items():
         flow = ratings[0].displacement
         found = shown.found(written.new(model, flow), ratings)
@@ -56,7 +56,7 @@ def fitted_to() -> Iterator[Row]:
         yield from shown.farthest(f"{name}, {shown.FULL:g} Hz", full, WITHIN, TAKEN, (LAMBDA,))
         for some in (slow, fast):
             at = [each.rating.frequency for each in some]
-            yield from shown.farthest(f"{name}, {min(at):g} to {max(at):g} Hz", some, WITHIN, TAKEN)
+            yield from shown.farthest(f"{name}, {min(at):g} to {max(at):g} Hz", some, WITHIN, TAKEN, (LAMBDA,))
 
 
 def tried() -> Iterator[Row]:
