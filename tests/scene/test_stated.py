@@ -187,11 +187,18 @@ def test_gauge_pressures_follow_an_ambient_pressure_that_python_changes():
     assert scene.with_(operation__speed="1000 rpm").operation.discharge.pressure == scene.operation.discharge.pressure
 
 
+ZIPPED = "[{operation.speed: [900 rpm, 1000 rpm], operation.discharge.pressure: [6 bar(g), 7 bar(g)]}]"
+SAMPLED = "{kind: sobol, count: 4, seed: 1, over: {operation.discharge.pressure: {from: 6 bar(g), to: 7 bar(g)}}}"
+
+
 @pytest.mark.parametrize(
     ("written", "path"),
     [
         ("operation.discharge.pressure=7 bar(g) ± 0.1 bar", "operation.discharge.pressure"),
         ("sweep.operation.discharge.pressure=[6 bar(g), 7 bar(g)]", "sweep.operation.discharge.pressure"),
+        (f"sweep.zip={ZIPPED}", "sweep.zip"),
+        (f"sweep.sample={SAMPLED}", "sweep.sample"),
+        (f"sweep.sample={SAMPLED.replace('{from: 6 bar(g), to: 7 bar(g)}', '[6 bar(g), 7 bar(g)]')}", "sweep.sample"),
     ],
 )
 def test_gauge_pressures_that_cannot_be_read_anew_are_told(written, path):
@@ -201,6 +208,10 @@ def test_gauge_pressures_that_cannot_be_read_anew_are_told(written, path):
         scene.with_({"operation.ambient_pressure": "0.8 bar"})
     assert str(refusal.value) == told
     assert scene.with_(operation__speed="1000 rpm").uncertain == scene.uncertain
+    at, _, stated = written.partition("=")
+    anew = scene.with_({"operation.ambient_pressure": "0.8 bar", at: stated})
+    over = screwsim.loads(PAPER, overrides=[written, "operation.ambient_pressure=0.8 bar"])
+    assert (anew.operation.discharge, anew.sweep) == (over.operation.discharge, over.sweep)
 
 
 REMOVE = "remove one of the two; null drops a base's value"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import types
 import typing
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache, lru_cache
 from typing import Any
@@ -124,13 +124,27 @@ def gauge_texts(scene: Scene, changed: Collection[str]) -> dict[str, str]:
     So they follow a changed ambient pressure. Raise UsageError where one on an axis or with a tolerance would not.
     """
     known = {path: [value] for path in leaves_of(scene) if isinstance(value := value_at(scene, path), Gauge)}
-    known |= {f"sweep.{path}": [each for each in axis if isinstance(each, Gauge)] for path, axis in scene.sweep.items()}
+    for path, values in _swept(scene):
+        known.setdefault(path, []).extend(each for each in values if isinstance(each, Gauge))
     below = tuple(f"{path}." for path in changed)
     known = {path: values for path, values in known.items() if values and not f"{path}.".startswith(below)}
     fixed = [path for path in known if path in scene.uncertain or path.startswith("sweep.")]
     if fixed and AMBIENT in changed:
         raise UsageError(f"with_: {AMBIENT}: {fixed[0]} was read relative to the former one (state it anew as well)")
     return {path: values[0].written for path, values in known.items() if path not in fixed}
+
+
+def _swept(scene: Scene) -> Iterator[tuple[str, tuple[Any, ...]]]:
+    """Yield (path, numbers) of a sweep as it is stated: axes, those zipped, and what a sample is drawn from."""
+    joint_of = {path: joint for joint in scene.joints for path in joint.paths}
+    for path, axis in scene.sweep.items():
+        joint = joint_of.get(path)
+        if joint is None:
+            yield f"sweep.{path}", axis
+        elif joint.sample is None:
+            yield "sweep.zip", axis
+        else:
+            yield "sweep.sample", dict(joint.sample.over)[path]
 
 
 def effect_keys(path: str, names: Iterable[str]) -> tuple[str, list[str]]:
