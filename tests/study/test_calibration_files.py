@@ -200,6 +200,17 @@ def test_efficiencies_in_percent_without_their_unit_are_refused_as_in_options(tm
     assert fit.points[0].measured["volumetric_efficiency"] == pytest.approx((0.92, 0.005))
 
 
+def test_an_uncertainty_without_unit_beside_percent_is_refused(tmp_path):
+    """1 would be a hundred points; [1] states a share."""
+    head = "operation.speed [rpm],volumetric_efficiency [%],volumetric_efficiency_uncertainty{}\n"
+    own, rows = "volumetric_efficiency_uncertainty", "1000,92,0.01\n2000,90,0.01\n3000,89,0.01\n"
+    told = f"has no unit beside volumetric_efficiency [%] (write {own} [%], or [1] for a share)"
+    assert faults(tmp_path, points=head.format("") + rows) == [f"points.csv:1:49: {own}: {told}"]
+    for unit, size in ((" [%]", 1e-4), (" [1]", 1e-2)):
+        fit = read_fit(write_fit(tmp_path, points=head.format(unit) + rows))
+        assert fit.points[0].measured["volumetric_efficiency"] == pytest.approx((0.92, size))
+
+
 def test_too_few_data_are_told(tmp_path):
     points = "\n".join(POINTS.splitlines()[:3]) + "\n"
     (line,) = faults(tmp_path, points=points)

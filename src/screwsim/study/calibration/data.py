@@ -156,6 +156,11 @@ def _columns(
             other = column.of if partner == "figure" else column.of + UNCERTAINTY_SUFFIX
             if other not in refused:
                 problems.add(place, column.of, f"needs a column {other} (add it)")
+    in_percent = {column.of for column, _ in found if column.kind == "figure" and column.unit == "%"}
+    for column, place in found:
+        if column.kind == "uncertainty" and not column.unit and column.of in in_percent:
+            own = column.of + UNCERTAINTY_SUFFIX
+            problems.add(place, own, f"has no unit beside {column.of} [%] (write {own} [%], or [1] for a share)")
     if not candidates and not any(kind == "figure" for kind, _ in names) and not problems:
         problems.add(cells[0][1], "data", f"has no column of a measured figure (known: {', '.join(_figures(scene))})")
     return found
