@@ -70,6 +70,14 @@ def gas_damping(scene: Scene, side: str) -> float:
     return 0.25 * math.sqrt(stiffness / mass) * stop / velocity
 
 
+def thickness(scene: Scene, side: str) -> float:
+    """Return the thickness [mm] of a reed in proportion to the known one: f ∝ h/l², l as the port's diameter (S37)."""
+    own = scene.effects["reed_valves"].parameters
+    stop, stiffness, mass = (getattr(own, f"{side}_{name}") for name in ("stop", "stiffness", "mass"))
+    frequency = math.sqrt(stiffness / mass) / (2.0 * math.pi)
+    return 1e3 * valves.THICKNESS * frequency / valves.known_frequency() * (4.0 * stop / valves.PORT) ** 2
+
+
 def backflow(result: Result, side: str) -> tuple[float, float]:
     """Return what flows back through a valve, over what passes it, and how late it shuts [degree after dead centre]."""
     cycle = {name: np.asarray(values) for name, values in result.cycle.items()}
@@ -108,18 +116,19 @@ def table(first: str, rows: Iterable[tuple[str, Scene]]) -> None:
 
 
 def with_ports(stated: Mapping[str, object]) -> tuple[str, Scene]:
-    """Return a new cylinder after what was stated, the share of its ports and the gas's part of its damping."""
+    """Return a new cylinder after what was stated, the share of its ports, its reeds, and the gas's part of damping."""
     scene = scene_of(stated)
     own, piston = scene.effects["reed_valves"].parameters, scene.machine.piston_area
     shares = (100.0 * getattr(own, f"{side}_port_area") / piston for side in ("suction", "discharge"))
-    gas = (gas_damping(scene, side) for side in ("suction", "discharge"))
-    told = (", ".join(f"{each:{form}}" for each in some) for some, form in ((shares, ".1f"), (gas, ".2f")))
+    thick, gas = ([of(scene, side) for side in ("suction", "discharge")] for of in (thickness, gas_damping))
+    columns = ((shares, ".1f"), (thick, ".2f"), (gas, ".2f"))
+    told = (", ".join(f"{each:{form}}" for each in some) for some, form in columns)
     return " | ".join((", ".join(map(str, stated.values())), *told)), scene
 
 
 def main() -> None:
     """Print the tables."""
-    table("cylinder | ports, % of the piston | ζ_g", map(with_ports, CASES))
+    table("cylinder | ports, % of the piston | reeds, mm | ζ_g", map(with_ports, CASES))
     starved = scene_of({"fluid": "R404A", "condition": STARVED})
     states = ((state, times) for state in STATES for times in HEAVIER)
     rows = (("{:g}/{:g} | {:g}".format(*state, times), at_state(starved, state, times)) for state, times in states)
@@ -130,7 +139,7 @@ def main() -> None:
     table("spring | natural frequency", rows)
     valves.MACH *= 2.0
     table(
-        "at a/10 | ports, % of the piston | ζ_g",
+        "at a/10 | ports, % of the piston | reeds, mm | ζ_g",
         map(with_ports, ({"fluid": gas, "condition": at} for gas, at in GASES)),
     )
 

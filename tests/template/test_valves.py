@@ -79,13 +79,26 @@ def test_a_reed_swings_ten_times_a_turn_and_is_a_scaled_cantilever():
 
 def test_the_known_reed_is_a_third_as_strong_as_its_gas_at_the_mean_velocity():
     """R410A of 33.1 kg/m³, bore and stroke of 20 mm, 60 Hz; 310 N/m, 0.0515 g and 390 Hz, as the page says."""
-    k, frequency = valves._stiffness(), valves._frequency()
+    k, frequency = valves._stiffness(), valves.known_frequency()
     assert (round(k), round(frequency)) == (310, 390)
     assert k / (2.0 * math.pi * frequency) ** 2 == pytest.approx(0.0515e-3, rel=1e-3)
     velocity = 2.0 * 0.02 * 60.0 * (0.02 / valves.PORT) ** 2
     gas = 0.5 * 33.1 * (velocity / (valves.FLOW_COEFFICIENT * valves.FULLY_OPEN)) ** 2
     assert valves._spring() / gas == pytest.approx(1.0 / 3.0, rel=0.03)
     assert frequency / 60.0 == pytest.approx(6.5, rel=0.01)
+
+
+@pytest.mark.parametrize("stated", GASES, ids=lambda stated: "-".join(stated.values()).replace(" ", ""))
+@pytest.mark.parametrize("side", ["suction", "discharge"])
+def test_a_reed_of_the_thickness_told_has_the_spring_of_its_scene(stated, side):
+    """k of all ports' reeds: each a cantilever of that thickness, in proportion to the known one."""
+    scene = new_valves.scene_of(stated)
+    own = scene.effects["reed_valves"].parameters
+    area, stop, stiffness = (getattr(own, f"{side}_{name}") for name in ("port_area", "stop", "stiffness"))
+    scale, h = 4.0 * stop / valves.PORT, 1e-3 * new_valves.thickness(scene, side)
+    width, length, arm = (scale * each for each in (valves.WIDTH, valves.LENGTH, valves.ARM))
+    one = 6.0 * valves.YOUNG * width * h**3 / 12.0 / (arm**2 * (3.0 * length - arm))
+    assert one * area / (math.pi * (2.0 * stop) ** 2) == pytest.approx(stiffness, rel=0.02)  # texts have three digits
 
 
 def test_a_small_valve_of_dense_gas_has_one_port_and_a_faster_reed():

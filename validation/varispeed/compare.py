@@ -22,7 +22,7 @@ ABOUT = (
     "clearance of 4.2 % is fitted to λ of two machines at 50 Hz (others.csv, new.py; it was 2 %, assumed, and λ 10 "
     "points too high), and so are the natural frequency of the reeds, ten times that of the shaft, and their damping "
     "ratio of 0.25 to λ of these two at all speeds; the machine of 32.5 m³/h had no part in any of it. Reeds had been "
-    "those of an example of one speed (6.5 times, 0.1 assumed), of which single ones closed late: λ was up to 16 "
+    "those of an example of one speed (6.5 times, 0.1 assumed), of which single ones closed late: λ was up to 17 "
     "points too low at single speeds. Rows 'tried' say what either number does. Then clearance, wall, rings and "
     "friction of the machine of 32.5 m³/h "
     "are fitted to three conditions at 50 Hz (machine.fit.yaml), and the other conditions and all other speeds "

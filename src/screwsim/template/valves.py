@@ -53,8 +53,8 @@ def valve(piston: float, piston_speed: float, speed: float, pressure: float, k: 
     thickness = (spring / _spring()) ** (1.0 / 3.0)  # over that of the known reed, in port diameters
     wanted = FREQUENCIES * speed / (2.0 * math.pi)
     largest = min(_diameter(area), 4.0 * LARGEST_LIFT * _diameter(piston))
-    bore = min(PORT * thickness * _frequency() / wanted, largest)
-    frequency, stop = _frequency() * thickness * PORT / bore, 0.25 * bore
+    bore = min(PORT * thickness * known_frequency() / wanted, largest)
+    frequency, stop = known_frequency() * thickness * PORT / bore, 0.25 * bore
     stiffness = spring * area / stop
     mass = stiffness / (2.0 * math.pi * frequency) ** 2
     return Valve(area, velocity, mach, bore, stop, mass, stiffness, frequency)
@@ -71,7 +71,7 @@ def _stiffness() -> float:
     return 6.0 * YOUNG * inertia / (ARM**2 * (3.0 * LENGTH - ARM))
 
 
-def _frequency() -> float:
+def known_frequency() -> float:
     """Return the natural frequency [Hz] of the known reed, of whose mass a third moves."""
     mass = DENSITY * LENGTH * WIDTH * THICKNESS / 3.0
     return math.sqrt(_stiffness() / mass) / (2.0 * math.pi)
