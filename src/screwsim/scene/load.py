@@ -73,7 +73,7 @@ def changed_scene(scene: Scene, values: Mapping[str, Any], without: Iterable[str
     A text is read as in a file ('3000 rpm', 'off'); None removes a value. Raise `SceneError` or `UsageError`.
     """
     texts = {path: value if isinstance(value, str) else flow_text(value, path) for path, value in values.items()}
-    texts = gauge_texts(scene, (*values, *(f"effects.{name}" for name in without))) | texts
+    texts |= gauge_texts(scene, (*values, *(f"effects.{name}" for name in without)))
     overrides = [f"{path}={text}" for path, text in texts.items()]
     return loads(scene.text or scene_text(scene), "<scene>", scene.folder, overrides, without, told="with_: ")
 
