@@ -124,6 +124,10 @@ def test_semicolons_and_decimal_commas_are_the_table_of_commas_and_points():
     assert commas.records()[1] == {"name": "1,5", "T [degC]": "+3.000", "p": "7", "n": "2"}
 
 
+def test_semicolons_between_names_in_quotes_are_read():
+    assert sheet_of('"a";"b, c"\n1,5;2\n').records() == [{"a": "1.5", "b, c": "2"}]
+
+
 def test_semicolons_with_decimal_points_or_whole_numbers_are_read_as_they_stand():
     assert sheet_of("a;b\n1.5;2.250\n").records() == [{"a": "1.5", "b": "2.250"}]
     assert sheet_of("a;b\n1;2000\n").records() == [{"a": "1", "b": "2000"}]

@@ -21,6 +21,7 @@ MOST_CELLS, MOST_ROWS = 4096, 200_000
 NAMES, REMARK = "name", "#"  # the column of names; what a line that is no row begins with
 NUMBERED = re.compile(rf"{REMARK}\d+\s*[,;]")  # a row whose name may be #3, or one named 3 that is left out
 COMMA, SEMICOLON = ",", ";"  # what separates cells
+QUOTED = re.compile(r'"[^"]*"')
 DECIMAL = re.compile(r"([+-]?\d*)([.,])(\d+)((?:[eE][+-]?\d+)?)((?:\s*[^\d.,\s][^.,]*)?)")  # one mark, unit behind it
 LIKE_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
 
@@ -105,11 +106,10 @@ def sheet_of(text: str) -> Sheet:
         return Sheet(Row(1, "", ()), ())
     if len(lines) - 1 > MOST_ROWS:
         raise BadSheet(f"has {len(lines) - 1} rows (at most {MOST_ROWS} are read; leave some out)")
-    head = _row(*lines[0], COMMA)
+    between = QUOTED.sub("", lines[0][1])
+    head = _row(*lines[0], SEMICOLON if SEMICOLON in between and COMMA not in between else COMMA)
     if len(head.cells) == 1 and "\t" in head.text:
         raise BadSheet("is separated by tabs (save it with commas between cells and decimal points)", head.line)
-    if len(head.cells) == 1 and SEMICOLON in head.text:
-        head = _row(*lines[0], SEMICOLON)
     body = [_row(number, line, head.mark) for number, line in lines[1:]]
     for name in head.cells:
         if name and head.cells.count(name) > 1:
