@@ -4,6 +4,7 @@ import csv
 import io
 import re
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -242,6 +243,26 @@ def test_a_table_has_a_row_a_node(swept_map):
     assert text.startswith("# R134a, compressor map; SI units; error between the nodes unknown, as no axis has five")
     power = swept_map.performance["shaft_power"]
     assert [float(row["shaft_power [W]"]) for row in rows] == pytest.approx(power.ravel().tolist())
+
+
+def test_a_table_tells_how_far_linear_interpolation_is_from_its_cubic(table):
+    """Of the largest it must be at least what it is at the middle of any cell, by the mean of the four corners."""
+    said = float(re.search(r"differs from the cubic by up to ([0-9.e-]+)", csv_table(table))[1])
+    x, y = (one.at(u) for one, u in zip(table.inputs, table.grid.nodes, strict=True))
+    values = table.grid.data[0, 0]
+    means = 0.25 * (values[1:, 1:] + values[:-1, 1:] + values[1:, :-1] + values[:-1, :-1])
+    middle = np.array([(0.5 * (a + b), 0.5 * (c + d)) for a, b in pairwise(x) for c, d in pairwise(y)])
+    off = np.abs(table(middle)[0] / means.reshape(len(middle), -1) - 1.0)
+    flow = [each.name for each in table.outputs].index("gas_mass_flow")
+    assert said > 0.95 * off[:, flow].max() > 0.0 and said < 0.05
+
+
+def test_a_document_says_that_its_conditions_are_in_si(found):
+    """In inch-pound units too: its superheat of 10 is 10 K."""
+    for ip in (False, True):
+        said = en12900_document(found, ip)
+        assert said["in_si"] == ["conditions", "follows", "at"]
+        assert said["conditions"]["operation.superheat"] == 10.0
 
 
 def test_the_condensing_temperature_is_called_by_the_point_that_it_is_of(found, swept_blend, swept_map):

@@ -252,6 +252,18 @@ def test_an_oil_cooler_of_the_second_stage_states_its_coolant(tmp_path):
     assert read_stages(written(tmp_path, AIR_LOW, stated)).second.effects["separator"].parameters.bounded
 
 
+def test_pressure_ratios_of_a_package_are_those_of_its_stages(tmp_path):
+    """The machine of the second stage delivers above the package's outlet by what is lost behind it."""
+    high = AIR_HIGH | {
+        "effects.air_package": {"rated_flow": "7 m^3/min", "separator_element": {"pressure_loss": "0.3 bar"}},
+    }
+    found = run_stages(read_stages(written(tmp_path, AIR_LOW, high)))
+    first, second = (each.performance for each in found.stages)
+    assert second.package_pressure_loss > 1e3
+    for ratio, stage in ((found.performance.first_pressure_ratio, first), (found.performance.second_pressure_ratio, second)):
+        assert ratio == stage.pressure_ratio == pytest.approx(stage.discharge_pressure / stage.suction_pressure, rel=1e-12)
+
+
 @pytest.mark.parametrize("which", ["first", "second"])
 def test_an_unloaded_stage_is_refused(tmp_path, which):
     idle = {"rated_flow": "20 m^3/min", "state": "unloaded"}

@@ -133,4 +133,4 @@ def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
         said |= {key: said[key].replace("degC", "degF") for key in ("S", "D")}
         said["units"] = {figure: unit_of(found, figure, True)[0] for figure in found.units}
     other = other_condensing(found)
-    return said | ({"convention": other} if other else {}) | {"maps": maps}
+    return said | {"in_si": ["conditions", "follows", "at"]} | ({"convention": other} if other else {}) | {"maps": maps}
