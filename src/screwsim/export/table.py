@@ -320,7 +320,8 @@ def _documents(text: str, stages: Mapping[str, str]) -> str:
 def csv_table(table: MapTable) -> str:
     """Return the rows of all nodes, the last input fastest; `closed` is 0 where a cycle did not close."""
     heads = [f"{each.name} [{plain(each.units)}]" for each in (*table.inputs, *table.outputs)]
-    error = f"{table.error_in_words}; linear interpolation differs from the cubic by up to {linear_difference(table):.2g}"
+    linear = f"linear interpolation differs from the cubic by up to {linear_difference(table):.2g}"
+    error = f"{table.error_in_words}; {linear}"
     lines = [f"# {table.title}{TITLE_SEPARATOR}{error}{followers_text(table.inputs)}"]
     lines.append(",".join([*heads, "closed"]))
     nodes = [variable.at(u) for variable, u in zip(table.inputs, table.grid.nodes, strict=True)]
