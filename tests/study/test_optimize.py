@@ -148,6 +148,16 @@ def test_the_answer_is_the_same_for_any_number_of_workers():
     assert np.array_equal(one.places, two.places) and np.array_equal(one.aims, two.aims, equal_nan=True)
 
 
+def test_a_search_that_ran_out_of_evaluations_says_so(capsys):
+    for allowed, cut in ((30, True), (2000, False)):
+        found = optimize(
+            scene(), [RATIO, SPEED], minimize=["shaft_power"], simulate=choosing, jobs=1, evaluations=allowed
+        )
+        assert found.cut_short is cut and (len(found.places) == allowed) is cut
+        print_optimize(found)
+        assert ("more of them may find better (--evaluations)" in " ".join(capsys.readouterr().out.split())) is cut
+
+
 def test_a_bound_moves_the_best_to_it():
     # x ≥ sqrt(0.25) by the power less y²: at y = 0 the flow is best where the power is at its bound
     found = optimize(

@@ -61,6 +61,7 @@ def optimize_document(found: Optimum) -> dict[str, Any]:
             for point in found.points
         ],
         "evaluations": len(found.places),
+        "cut_short": found.cut_short,
         **picked(found, failed_evaluations="failed", outside_bounds="outside", reasons="reasons", reused="reused"),
         "seed": asked.seed,
     }
@@ -202,6 +203,8 @@ def _counts(found: Optimum) -> Iterator[str]:
     words += [f"{found.outside} outside the bounds"] if found.outside else []
     words += [f"{found.failed} failed"] if found.failed else []
     yield ", ".join(words) + f", seed {found.asked.seed}"
+    if found.cut_short:
+        yield "all evaluations were used before the search settled: more of them may find better (--evaluations)"
     shown: Sequence[tuple[str, int]] = list(found.reasons.items())[:MOST_REASONS]
     yield from (f"{count}: {reason}" for reason, count in shown)
     rest = sum(found.reasons.values()) - sum(count for _, count in shown)

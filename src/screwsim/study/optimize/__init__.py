@@ -109,6 +109,11 @@ class Optimum(Brief):
         columns = [*(aim.figure for aim in aims), *(span.path for span in self.asked.spans)]
         return About(f"Optimum: {self.status}, {asked}", notes, columns, rows)
 
+    @property
+    def cut_short(self) -> bool:
+        """Whether the search for the best of one aim used all evaluations that it was allowed."""
+        return len(self.asked.aims) == 1 and bool(self.asked.spans) and len(self.places) >= self.asked.evaluations
+
     def scene_at(self, row: int) -> Varied:
         """Return the scene of an evaluation, or its two stages."""
         scene = self.asked.scene
