@@ -260,7 +260,7 @@ def energyplus(
     from screwsim.export.polynomials import document, polynomials, rated_temperatures, swept_results
     from screwsim.results.protection import protect_other_document
 
-    protect_other_document(output, made_for.WRITTEN_MARK, "Version", *made_for.CLASSES)
+    protect_other_document(output, made_for.WRITTEN_MARK, "Version", *made_for.CLASSES, alone=True)
     with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_compressor) as results:
         found = polynomials(results, [made_for.power_of(results.figures), made_for.CAPACITY])
     objects = made_for.energyplus_objects(found, output.stem)

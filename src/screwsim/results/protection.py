@@ -58,10 +58,10 @@ def protect_other_json(path: Path, *keys: str, alone: bool = False) -> None:
         raise UsageError(FOREIGN_FILE.format(path))
 
 
-def protect_other_document(path: Path, mark: str, *keys: str) -> None:
-    """Raise UsageError where a file at `path` is not JSON of the `keys` alone, or as a text lacks the `mark`."""
+def protect_other_document(path: Path, mark: str, *keys: str, alone: bool = False) -> None:
+    """Raise UsageError where a file at `path` is not JSON with the `keys` (as above), or as a text lacks the `mark`."""
     if path.suffix.lower().endswith("json"):
-        protect_other_json(path, *keys, alone=True)
+        protect_other_json(path, *keys, alone=alone)
     else:
         protect_unmarked(path, mark)
 
