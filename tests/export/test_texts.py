@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import re
 from dataclasses import replace
 from itertools import pairwise
@@ -14,6 +15,8 @@ from screwsim.export import energyplus, modelica
 from screwsim.export.en12900 import (
     BTU,
     FIGURES,
+    HEAD_LINE,
+    NOTES,
     OPTIONAL_FIGURES,
     POUND,
     en12900_csv,
@@ -26,6 +29,7 @@ from screwsim.export.tespy import tespy_document
 from screwsim.fluid import constants
 from screwsim.inputs.faults import UsageError
 from screwsim.results import open_results
+from screwsim.results.protection import protect_other_document
 from screwsim.scene import loads
 from screwsim.scene.operation import QUALITY, SUPERHEAT
 from screwsim.study.maps.performance_map import COEFFICIENT_NAMES, polynomial
@@ -312,3 +316,15 @@ def test_a_fluid_with_glide_says_that_the_standards_mean_its_dew_point(found, fl
     assert not told or "write gas.fluid: R407C.mix" in other
     assert (f"# {other}" in en12900_csv(replace(found, fluid=fluid)).splitlines()) == bool(told)
     assert not other_condensing(replace(found, fluid=fluid, condensing="dew"))
+
+
+def test_an_own_document_with_notes_or_without_is_replaced(found, tmp_path):
+    """That of R407C has a note of the convention; that of an earlier version has none of units."""
+    file, document = tmp_path / "x.json", en12900_document(found)
+    keys = [key for key in document if key not in NOTES]
+    for notes in ((), ("in_si",), NOTES):
+        file.write_text(json.dumps(dict.fromkeys([*keys, *notes])), encoding="utf-8")
+        protect_other_document(file, HEAD_LINE, *keys, notes=NOTES)
+    file.write_text(json.dumps(dict.fromkeys([*keys, "tespy"])), encoding="utf-8")
+    with pytest.raises(UsageError, match="is not a file of this kind"):
+        protect_other_document(file, HEAD_LINE, *keys, notes=NOTES)

@@ -260,7 +260,7 @@ def energyplus(
     from screwsim.export.polynomials import document, polynomials, rated_temperatures, swept_results
     from screwsim.results.protection import protect_other_document
 
-    protect_other_document(output, made_for.WRITTEN_MARK, "Version", *made_for.CLASSES, alone=True)
+    protect_other_document(output, made_for.WRITTEN_MARK, "Version", *made_for.CLASSES)
     with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_compressor) as results:
         found = polynomials(results, [made_for.power_of(results.figures), made_for.CAPACITY])
     objects = made_for.energyplus_objects(found, output.stem)
@@ -295,7 +295,7 @@ def en12900(
     from screwsim.export.polynomials import DOCUMENT_KEYS, polynomials, swept_results
     from screwsim.results.protection import protect_other_document
 
-    protect_other_document(output, made_for.HEAD_LINE, *DOCUMENT_KEYS, "maps")
+    protect_other_document(output, made_for.HEAD_LINE, *DOCUMENT_KEYS, "maps", notes=made_for.NOTES)
     with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_map) as results:
         optional = (name for name in made_for.OPTIONAL_FIGURES if name in results.figures)
         found = polynomials(results, [*made_for.FIGURES, *optional])

@@ -21,6 +21,7 @@ _IP = {
     "heating_capacity": ("Btu/h", 3600.0 / BTU),
     "gas_mass_flow": ("lb/h", 3600.0 / POUND),
 }
+NOTES = ("in_si", "convention")  # of a document: what is in SI units; whose condensing temperatures are others
 HEAD_LINE = "table,map,figure,unit"  # of the coefficients' table
 RATED_STEPS = 6  # rated temperatures along each axis
 FOLLOWED = (("path", "values"), ("of", "at"))
@@ -133,4 +134,5 @@ def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
         said |= {key: said[key].replace("degC", "degF") for key in ("S", "D")}
         said["units"] = {figure: unit_of(found, figure, True)[0] for figure in found.units}
     other = other_condensing(found)
-    return said | {"in_si": ["conditions", "follows", "at"]} | ({"convention": other} if other else {}) | {"maps": maps}
+    in_si, convention = NOTES
+    return said | {in_si: ["conditions", "follows", "at"]} | ({convention: other} if other else {}) | {"maps": maps}

@@ -2,7 +2,7 @@
 
 import csv
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from screwsim.inputs.faults import UsageError
@@ -44,8 +44,8 @@ def protect_unmarked(path: Path, mark: str) -> None:
         raise UsageError(FOREIGN_FILE.format(path))
 
 
-def protect_other_json(path: Path, *keys: str, alone: bool = False) -> None:
-    """Raise UsageError where a file at `path` is not a JSON object with the `keys` (`alone`: and no others)."""
+def protect_other_json(path: Path, *keys: str, alone: bool = False, notes: Sequence[str] = ()) -> None:
+    """Raise UsageError where a file at `path` is no JSON object with the `keys` (`alone`: and no others but notes)."""
     text = _text(path)
     if not text:
         return
@@ -53,15 +53,15 @@ def protect_other_json(path: Path, *keys: str, alone: bool = False) -> None:
         found = json.loads(text)
     except (ValueError, RecursionError):  # not JSON
         found = None
-    there = set(found) if isinstance(found, dict) else set()
+    there = set(found).difference(notes) if isinstance(found, dict) else set()
     if not there.issuperset(keys) or (alone and not there.issubset(keys)):
         raise UsageError(FOREIGN_FILE.format(path))
 
 
-def protect_other_document(path: Path, mark: str, *keys: str, alone: bool = False) -> None:
-    """Raise UsageError where a file at `path` is not JSON with the `keys` (as above), or as a text lacks the `mark`."""
+def protect_other_document(path: Path, mark: str, *keys: str, notes: Sequence[str] = ()) -> None:
+    """Raise UsageError where a file at `path` is not JSON of the `keys` beside notes, or as text lacks the `mark`."""
     if path.suffix.lower().endswith("json"):
-        protect_other_json(path, *keys, alone=alone)
+        protect_other_json(path, *keys, alone=True, notes=notes)
     else:
         protect_unmarked(path, mark)
 
