@@ -22,7 +22,7 @@ from screwsim.effects.parts.gap import flow_coefficient
 from screwsim.effects.parts.gas_transport import declared_gas_viscosity
 from screwsim.effects.parts.usual import LEAK
 from screwsim.inputs.declare import choice, number, optional, quantity
-from screwsim.inputs.faults import Fault
+from screwsim.inputs.faults import Fault, incomplete
 from screwsim.machine.protocol import ROTORS
 from screwsim.outputs import HEATED, Figure, over
 
@@ -75,9 +75,8 @@ def check(parameters: Parameters, facts) -> Faults:
     path = "effects.shaft_leakage"
     given = [name for name in _ANNULUS if getattr(parameters, name) is not None]
     if parameters.area is None and len(given) < len(_ANNULUS):
-        missing = next(name for name in _ANNULUS if name not in given)
         if given:
-            yield Fault(f"{path}.{missing}", f"is missing (these are stated together: {', '.join(_ANNULUS)})")
+            yield incomplete(path, _ANNULUS, given)
         else:
             yield Fault(f"{path}.area", "is missing (state it, or shaft_diameter and clearance)")
     elif parameters.area is not None and given:

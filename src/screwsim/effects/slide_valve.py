@@ -18,7 +18,7 @@ from screwsim.effects.bypass import RAMP, area, window
 from screwsim.effects.parts.gap import flow_coefficient, table_area
 from screwsim.effects.parts.usual import SLIDES, Sized
 from screwsim.inputs.declare import AREA, file, number, optional, quantity
-from screwsim.inputs.faults import Fault
+from screwsim.inputs.faults import Fault, incomplete
 from screwsim.machine.protocol import ROTORS, SHELL, WIDEST
 from screwsim.numerics.spline import features, read_curve
 
@@ -87,8 +87,7 @@ def check(parameters: Parameters, facts) -> Faults:
             yield Fault(f"{path}.{name}", what)
     given = [name for name in _RADIAL if getattr(parameters, name) is not None]
     if given and len(given) < len(_RADIAL):
-        missing = next(name for name in _RADIAL if name not in given)
-        yield Fault(f"{path}.{missing}", f"is missing (these are stated together: {', '.join(_RADIAL)})")
+        yield incomplete(path, _RADIAL, given)
 
 
 def _beside(parameters: Parameters, path: str, what: str, names: tuple[str, ...]) -> Faults:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from numbers import Real
 from typing import Any
@@ -24,6 +25,12 @@ class Fault:
 def given_twice(path: str, other: str) -> Fault:
     """Return the fault of an input that is given as well as another one, which states the same."""
     return Fault(path, f"is given as well as {other} (remove one of the two; null drops a base's value)")
+
+
+def incomplete(path: str, names: Sequence[str], stated: Collection[str]) -> Fault:
+    """Return the fault of inputs below `path` that are stated together, of which `stated` are only some."""
+    missing = next(name for name in names if name not in stated)
+    return Fault(f"{path}.{missing}", f"is missing (these are stated together: {', '.join(names)})")
 
 
 class SceneError(Exception):

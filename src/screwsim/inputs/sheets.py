@@ -21,6 +21,7 @@ MOST_CELLS, MOST_ROWS = 4096, 200_000
 NAMES, REMARK = "name", "#"  # the column of names; what a line that is no row begins with
 NUMBERED = re.compile(rf"{REMARK}\d+\s*[,;]")  # a row whose name may be #3, or one named 3 that is left out
 COMMA, SEMICOLON = ",", ";"  # what separates cells
+HEAD = re.compile(r"(.*?)\s*(?:\[([^\]]*)\])?")  # a name, and its unit in brackets
 QUOTED = re.compile(r'"[^"]*"')
 DECIMAL = re.compile(r"([+-]?\d*)([.,])(\d+)((?:[eE][+-]?\d+)?)((?:\s*[^\d.,\s][^.,]*)?)")  # one mark, unit behind it
 LIKE_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2}[.,]\d{3}")
@@ -126,6 +127,13 @@ def sheet_of(text: str) -> Sheet:
         for number, line in numbered:
             _check_remark(number, line, head)
     return Sheet(head, tuple(body if head.mark == COMMA else _with_points(head, body)))
+
+
+def name_and_unit(cell: str) -> tuple[str, str]:
+    """Return the name and the unit, empty where none stands, of a cell that reads `NAME [UNIT]`."""
+    match = HEAD.fullmatch(cell)
+    assert match is not None
+    return match[1], (match[2] or "").strip()
 
 
 def _with_points(head: Row, body: list[Row]) -> Iterator[Row]:

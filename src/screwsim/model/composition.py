@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.model.slots import P_PORT_WIDTH, Q_WALLS, R_SIZE
+from screwsim.model.slots import P_PORT_WIDTH, Q_WALLS
 from screwsim.numerics.identity_cache import once
 
 
@@ -52,22 +52,22 @@ class Composition:
     chambers: int
     carried: bool
     recipe: NumbersRecipe
-    width: int = 2  # sums in each category
-    n_widths: int = 3  # of the regularisation, from P_PORT_WIDTH on
-    n_R: int = R_SIZE
-    ported: bool = False
-    oil_room: bool = False
-    walls: tuple[str, ...] = ()  # effects of the walls
-    made: tuple[int, ...] = ()  # indices in P of unknowns that the cycle determines
-    speed_curve: int | None = None  # index in P of the squared relative speed's table (speed.slowness)
-    own_states: tuple[str, ...] = ()  # the last of `states`: those that effects declare
-    stops: tuple[tuple[int, int], ...] = ()  # columns of position and speed of what moves between seat and stop
-    signed: tuple[int, ...] = ()  # columns of states that may be zero or negative
+    width: int  # sums in each category
+    n_widths: int  # of the regularisation, from P_PORT_WIDTH on
+    n_R: int
+    ported: bool
+    oil_room: bool
+    walls: tuple[str, ...]  # effects of the walls
+    made: tuple[int, ...]  # indices in P of unknowns that the cycle determines
+    speed_curve: int | None  # index in P of the squared relative speed's table (speed.slowness)
+    own_states: tuple[str, ...]  # the last of `states`: those that effects declare
+    stops: tuple[tuple[int, int], ...]  # columns of position and speed of what moves between seat and stop
+    signed: tuple[int, ...]  # columns of states that may be zero or negative
+    pulsating: bool
+    pushes: bool  # whether walls that drag oil along do work on it
+    offsets: tuple[int, ...]  # lobe pitches between neighbours that gaps connect
+    n_work_all: int  # size of the working array for all chambers
     starts: tuple[float, ...] = ()  # initial values of the own states
-    pulsating: bool = False
-    pushes: bool = False  # whether walls that drag oil along do work on it
-    offsets: tuple[int, ...] = ()  # lobe pitches between neighbours that gaps connect
-    n_work_all: int = 0  # size of the working array for all chambers
 
     @property
     def dissolves(self) -> bool:

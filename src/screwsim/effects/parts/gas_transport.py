@@ -10,7 +10,7 @@ from typing import Any
 from screwsim.effects.base import Around
 from screwsim.fluid.transport import transport
 from screwsim.inputs.declare import quantity
-from screwsim.inputs.faults import Fault, UsageError
+from screwsim.inputs.faults import Fault, UsageError, incomplete
 
 GAS = ("gas_conductivity", "gas_viscosity", "prandtl")
 STATE = ("reference_pressure", "reference_temperature")
@@ -36,13 +36,11 @@ def gas_faults(path: str, parameters, fluid: str, names: Sequence[str] = GAS) ->
     """Yield gas properties stated twice or in part only, and a gas whose transport CoolProp does not know."""
     stated, state = ([name for name in some if getattr(parameters, name) is not None] for some in (names, STATE))
     if stated and len(stated) < len(names):
-        missing = next(name for name in names if name not in stated)
-        yield Fault(f"{path}.{missing}", f"is missing (these are stated together: {', '.join(names)})")
+        yield incomplete(path, names, stated)
     elif stated and state:
         yield Fault(f"{path}.{state[0]}", "is given as well as the gas's own numbers (remove it)")
     elif len(state) == 1:
-        missing = next(name for name in STATE if name not in state)
-        yield Fault(f"{path}.{missing}", f"is missing (these are stated together: {', '.join(STATE)})")
+        yield incomplete(path, STATE, state)
     elif not stated:
         try:
             transport(fluid, parameters.reference_pressure or 1e4, parameters.reference_temperature or 400.0)

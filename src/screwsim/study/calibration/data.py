@@ -10,7 +10,7 @@ from screwsim.figures import declared, known
 from screwsim.fluid import constants
 from screwsim.inputs.declare import Kind
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import BadSheet, Row, Sheet, read_sheet
+from screwsim.inputs.sheets import BadSheet, Row, Sheet, name_and_unit, read_sheet
 from screwsim.inputs.textfiles import Unreadable
 from screwsim.outputs import Figure
 from screwsim.outputs.customary import ZERO_CELSIUS, in_celsius
@@ -139,9 +139,7 @@ def _columns(
 ) -> list[tuple[_Column, Position]]:
     found, refused = [], set()
     for cell, place in cells:
-        match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", COVERAGE_FACTOR.sub("", cell))
-        assert match is not None
-        name, unit = match[1], (match[2] or "").strip()
+        name, unit = name_and_unit(COVERAGE_FACTOR.sub("", cell))
         try:
             found.append((_covered(_column(name, unit, scene, taken), cell), place))
         except (Refused, UsageError) as refusal:

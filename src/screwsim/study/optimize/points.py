@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import Row, read_sheet, sheet_or_usage_error
+from screwsim.inputs.sheets import Row, name_and_unit, read_sheet, sheet_or_usage_error
 from screwsim.scene import Scene, leaf_of
 from screwsim.scene.operation import CONDENSING, EVAPORATING
 from screwsim.scene.units import NUMBER, ZERO_CELSIUS, gauge_pressures_over, refused_at
@@ -163,9 +163,7 @@ def _from_file(scene: Scene, name: str) -> OperatingPoints:
 
 
 def _column(scene: Scene, text: str, where: str) -> _Column:
-    match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", text)
-    assert match is not None
-    name, unit = match[1], (match[2] or "").strip()
+    name, unit = name_and_unit(text)
     load = re.fullmatch(rf"({_HEATING})?load(?:\s+by\s+(\S+))?", name)
     if load is not None:
         return _Column("load", load[2] or SPEED, heating=bool(load[1]))
