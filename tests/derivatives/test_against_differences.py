@@ -173,7 +173,7 @@ def test_the_cycle_of_settled_surroundings_begins_from_slices_and_states_of_the_
 
 
 def asked_of_surroundings(cycle):
-    return np.abs(implied_changes(unshifted_evaluation(cycle, Directions(cycle)))).max()
+    return np.abs(implied_changes(unshifted_evaluation(Directions(cycle)))).max()
 
 
 def test_differences_that_stand_in_go_over_no_more_of_an_angle_than_where_figures_are_straight(monkeypatch):
