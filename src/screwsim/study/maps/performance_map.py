@@ -95,7 +95,9 @@ class PerformanceMap:
         more = ", …" if len(self.missing) > MOST_SHOWN else ""
         count = "1 point of the sweep is" if len(self.missing) == 1 else f"{len(self.missing)} points of the sweep are"
         which = "it" if len(self.missing) == 1 else "the first"
-        return f"{count} left out, (S, D) {', '.join(places)}{more} °C; {which}: {' '.join(self.missing[0].why.split())}"
+        return (
+            f"{count} left out, (S, D) {', '.join(places)}{more} °C; {which}: {' '.join(self.missing[0].why.split())}"
+        )
 
     def inside(self, S: Any, D: Any) -> Array:
         """Return where the envelope covers evaporating and condensing temperatures [°C]."""
