@@ -55,6 +55,11 @@ def chain(tmp_path):
     return write
 
 
+def test_scenes_of_different_gases_are_told_the_keys_that_differ(chain):
+    with pytest.raises(SceneError, match=r"stages: have different gases: gas\.model, gas\.two_phase \(write the same"):
+        read_stages(chain(high=WET_HIGH))
+
+
 def test_flows_match_between_the_pressures_of_both_ends(chain):
     found = run_stages(read_stages(chain()))
     assert found.status == "ok"
