@@ -148,7 +148,7 @@ class Parameters(WindowParameters, Sought):
         return span.low + 0.4 * (span.high - span.low)
 
     def cautious(self, span: Span) -> float:
-        """Return the temperature [K] at which the port lets in least: at part load more may leave no room for suction."""
+        """Return the temperature [K] at which the port lets in least: more may leave no room for suction gas."""
         return span.low
 
     def placed(self, x: float) -> dict[str, Any]:

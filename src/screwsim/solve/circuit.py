@@ -256,7 +256,7 @@ def _first_cycle(search: SurroundingsSearch, problem: Problem, expected: Array |
 
 
 def _cautious_cycle(search: SurroundingsSearch, of: Evaluation) -> Evaluation | None:
-    """Return a cycle with cautious guesses of the open numbers, instead of one that implies nothing, as without flow."""
+    """Return a cycle with cautious guesses of the open numbers, instead of one that implies nothing (no net flow)."""
     x, cautious = unknowns_of(of.problem), open_values.cautious_coordinates(of.problem.scene)
     if not cautious:
         return None
