@@ -10,6 +10,7 @@ import screwsim
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration import read_fit
 from screwsim.study.validation import NotRun, read_table, sibling
+from screwsim.template import reciprocating
 
 ROOT = Path(__file__).parents[2]
 HSK, VARISPEED, CO2 = (ROOT / "validation" / name for name in ("hsk", "varispeed", "co2"))
@@ -83,6 +84,15 @@ def test_lambda_of_new_cylinders_differs_by_as_much_at_all_speeds():
     for model, spread in written.items():
         assert spread < (1.0 if model in new.others() else 2.0)
         assert before[model] > 3.0 > spread
+
+
+def test_friction_of_new_cylinders_is_the_one_that_one_series_calls_for_on_two_fluids():
+    """Whose fluids tell share and pressure apart, so that it has no part in a verdict."""
+    fit, template = sibling(ROOT / "validation" / "energyplus" / "friction.py"), reciprocating
+    share, pressure, left = fit.fitted()
+    assert share == pytest.approx(template.FRICTION, abs=0.005)
+    assert pressure == pytest.approx(template.FRICTION_PRESSURE, abs=0.005)
+    assert left < 3.0
 
 
 def test_one_point_outside_fails_whatever_the_mean(rated, row, compare_of):
