@@ -122,6 +122,14 @@ def test_losses_of_lambda_at_any_speed_and_by_the_time_of_a_turn_are_told_apart(
     assert compare_of("hsk").split(slow, full) == "2.0 + 5.0 points"
 
 
+def test_a_leak_of_one_flow_costs_each_size_the_same_flow_of_suction_gas(compare_of):
+    """7 m³/h less of 84 and of 192 m³/h at 2900 rpm, which turn 2950 at 50 Hz."""
+    lost_flow = compare_of("hsk").lost_flow
+    for displacement in (84.0, 192.0):
+        slow, full = (1.0 - 7.0 / (displacement * 2950.0 / 2900.0 * f / 50.0) for f in (25.0, 50.0))
+        assert lost_flow(slow, full, str(displacement)) == pytest.approx(7.0)
+
+
 def test_a_tried_machine_without_solution_is_told_and_counted_only_where_its_oil_may_be_too_hot(
     compare_of, monkeypatch
 ):
