@@ -337,8 +337,11 @@ def _polynomial_errors(found: Polynomials) -> list[tuple[dict[str, float], list[
 def _print_polynomials_and_files(
     document: dict, figures: Sequence[str], rows: list, files: list[str], as_json: bool
 ) -> int:
+    from screwsim.export.polynomials import MISSING
     from screwsim.printing.export import print_polynomials
 
+    for text in document.get(MISSING, ()):
+        typer.echo(f"export: {text}", err=True)
     whole = {**document, "files": files}
     print_document_or_text(as_json, lambda *_: whole, print_polynomials, document, figures, rows, files)
     return OK

@@ -118,6 +118,8 @@ def _print_best(found: Optimum) -> None:
     for path, reach in found.reach.items():
         if reach.border:
             print_text(f"{path}: {border_note(reach.border, reach.beyond)}")
+        elif reach.beyond:
+            print_text(f"{path}: at the edge of the values that have a solution: {reach.beyond}")
         if reach.idle:
             print_text(idle_note(path))
     for place, height in found.others:
