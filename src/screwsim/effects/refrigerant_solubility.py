@@ -130,13 +130,14 @@ def _flashes(
     """Return pressures [Pa] up to p_d and the gas that flashes at each [kg/kg] (M196), in `POINTS` rows.
 
     Rows are dense in the flashed amount where it begins and where it ends; their pressures follow from it without a
-    search. One row lies where the oil reaches the coldest temperature of the solubility data.
+    search. One row lies where the oil reaches the coldest temperature of the solubility data. As many rows, whether it
+    begins to flash below p_d or only there, let the table change smoothly as the supply passes the separator's
+    temperature.
     """
     least, most = (flashed(law, p, T, supply, latent, c_oil) for p in (p_d, LOWEST * p_d))
     if most <= 0.0:
         return p_d * np.linspace(LOWEST, 1.0, POINTS), np.zeros(POINTS)
-    begins = least == 0.0  # below p_d
-    flash = most + (least - most) * np.sin(np.linspace(0.0, np.pi / 2.0, POINTS - begins)) ** 2
+    flash = most + (least - most) * np.sin(np.linspace(0.0, np.pi / 2.0, POINTS - 1)) ** 2
     coldest = (T - law.low) * c_oil / latent
     if flash[-2] < coldest < flash[1]:
         flash[1 + np.argmin(np.abs(flash[1:-1] - coldest))] = coldest
@@ -144,9 +145,7 @@ def _flashes(
     for each in flash[1:]:
         pressure = law.equilibrium_pressure(supply - each, max(T - each * latent / c_oil, law.low))
         at.append(max(pressure, at[-1] * (1.0 + RISE)))
-    if begins:
-        at, flash = [*at, max(p_d, at[-1] * (1.0 + RISE))], np.append(flash, 0.0)
-    return np.array(at), flash
+    return np.array([*at, max(p_d, at[-1] * (1.0 + RISE))]), np.append(flash, flash[-1])
 
 
 @lru_cache(maxsize=8)
