@@ -124,8 +124,9 @@ def check_results(output: Path) -> None:
 
 
 def _check_writable(output: Path) -> None:
-    from screwsim.results.atomic import check_writable
+    from screwsim.results.atomic import check_target_kind, check_writable
 
+    check_target_kind(output)
     check_writable(output)
 
 
