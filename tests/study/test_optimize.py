@@ -388,10 +388,34 @@ def test_a_seasonal_figure_of_one_cop_is_that_cop(chilled):
     four = np.full(4, 5.0)
     assert weighted_mean(points, "cop", four, 0.01 * four) == (pytest.approx(5.0), pytest.approx(0.05))
     # cooling over work: half the cooling at twice the COP takes a third of the work
-    halves = replace(points, points=tuple(replace(each, weight=0.5 * (i < 2)) for i, each in enumerate(points.points)))
+    halves = _first_two_halved(points)
     for cop in ("cop", "electrical_cop"):
         assert weighted_mean(halves, cop, np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(8.0 / 3.0)
     assert weighted_mean(halves, "shaft_power", np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(3.0)
+
+
+def _first_two_halved(points):
+    """Return points of a file, of which the first two have half of the energy each."""
+    return replace(
+        points, bins=(), points=tuple(replace(each, weight=0.5 * (i < 2)) for i, each in enumerate(points.points))
+    )
+
+
+@pytest.mark.parametrize(("season", "name"), [("SEER", "SEER"), ("SEPR", "SEPR-water"), ("SCOP", "SCOP-55")])
+def test_a_standard_interpolates_the_cop_at_each_outdoor_temperature(season, name, chilled):
+    """EN 14825: the year's heat over its work, at COPs linear between the rating points, constant beyond them."""
+    weather = {"SEER": (20.0, 25.0, 30.0, 35.0), "SEPR": (5.0, 15.0, 25.0, 35.0), "SCOP": HEATING_WEATHER}[season]
+    rising = np.linspace(2.0, 9.0, len(weather))
+    heat = {T: hours * load_at(season, T) for T, hours in BIN_HOURS[season].items()}
+    work = sum(each / np.interp(T, weather, rising) for T, each in heat.items())
+    kelvin = {"operation.evaporating_temperature": 258.15, "operation.condensing_temperature": 331.15}
+    points = read_points(with_values(chilled, kelvin), name)
+    cops = rising if season == "SCOP" else rising[::-1]  # points of cooling begin with the hottest day
+    found, error = weighted_mean(points, points.cops[0], cops, 0.01 * cops)
+    assert found == pytest.approx(sum(heat.values()) / work)
+    assert error == pytest.approx(0.01 * found)
+    of_file, _ = weighted_mean(replace(points, bins=()), points.cops[0], cops, 0.01 * cops)
+    assert found > 1.005 * of_file
 
 
 def test_standards_become_a_compressors_temperatures_by_the_scenes_own(chilled):
@@ -421,7 +445,7 @@ def test_a_heat_pump_meets_the_temperatures_of_scop_by_its_own(chilled):
 
 def test_over_shares_of_the_heat_a_heating_cop_is_heat_over_work(chilled):
     points = read_points(with_values(chilled, {"operation.evaporating_temperature": 258.15}), "SCOP-35")
-    halves = replace(points, points=tuple(replace(each, weight=0.5 * (i < 2)) for i, each in enumerate(points.points)))
+    halves = _first_two_halved(points)
     values, none = np.array([2.0, 4.0, 9.0, 9.0, 9.0]), np.zeros(5)
     for cop, mean in (("heating_cop", 8.0 / 3.0), ("electrical_heating_cop", 8.0 / 3.0), ("cop", 3.0)):
         assert weighted_mean(halves, cop, values, none)[0] == pytest.approx(mean)

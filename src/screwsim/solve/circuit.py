@@ -97,7 +97,8 @@ class SurroundingsSearch:
             moved, change = x - self.last.x, off - self.last.off
             self.jacobian = _learnt(self.jacobian, change, moved, _weight(moved, wrong, self.last.wrong))
         self.last = _Seen(x, off, wrong)
-        found = -np.linalg.solve(self.jacobian, off)
+        free, found = asked.free, np.zeros(len(off))  # an unknown held at its end must not leave with the others
+        found[free] = -np.linalg.solve(self.jacobian[np.ix_(free, free)], off[free])
         largest = float(np.max(np.abs(found)))
         return found * min(1.0, LONGEST_STEP / largest) if largest > 0.0 else found
 
@@ -262,7 +263,17 @@ def _first_cycle(search: SurroundingsSearch, problem: Problem, expected: Array |
             break
         other = search.posed(problem, guess + warmer * (np.arange(len(guess)) < 2))
         of = None if other is None else search.closed(other, course)
-    return of
+    return of if of is None or implied_surroundings(of) is not None else _cautious_cycle(search, of) or of
+
+
+def _cautious_cycle(search: SurroundingsSearch, of: Evaluation) -> Evaluation | None:
+    """Return a cycle with cautious guesses of the open numbers, instead of one that implies nothing (no net flow)."""
+    x, cautious = unknowns_of(of.problem), open_values.cautious_coordinates(of.problem.scene)
+    if not cautious:
+        return None
+    x[len(x) - len(cautious) :] = cautious
+    posed = search.posed(of.problem, x)
+    return None if posed is None else search.closed(posed, search.series.course)
 
 
 def steady_state(problem: Problem, series: Series) -> tuple[Problem, SurroundingsSearch | None]:

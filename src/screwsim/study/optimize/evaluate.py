@@ -149,12 +149,19 @@ def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
 
 
 def weighted_mean(points: OperatingPoints, name: str, values: np.ndarray, errors: np.ndarray) -> tuple[float, float]:
-    """Return a figure over the operating points, and its error; with energy weights a COP is heat over work."""
+    """Return a figure over the operating points, and its error; with energy weights a COP is heat over work.
+
+    In each bin of a standard the COP is interpolated between its points.
+    """
     weights = np.array([point.weight for point in points.points])
-    weights = weights / weights.sum()
     if points.energy and name in points.cops:
-        total = 1.0 / float(weights @ (1.0 / values))
-        return total, float(weights @ (errors * (total / values) ** 2))
+        bins = np.array(points.bins) if points.bins else np.diag(weights)
+        bins = bins[bins.any(axis=1)] / bins.sum()
+        energy = bins.sum(axis=1)
+        cop = bins @ values / energy
+        total = 1.0 / float(energy @ (1.0 / cop))
+        return total, float(total**2 * (1.0 / cop**2) @ bins @ errors)
+    weights = weights / weights.sum()
     return float(weights @ values), float(weights @ errors)
 
 
