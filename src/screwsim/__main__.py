@@ -13,9 +13,10 @@ def _end(number: int, frame: Any) -> None:
 
 
 def main() -> None:
-    """Be the command; while it is imported, Ctrl-C ends it in one line."""
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, _end)
+    """Be the command; while it is imported, Ctrl-C or SIGTERM ends it in one line."""
+    for number, usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGTERM, signal.SIG_DFL)):
+        if signal.getsignal(number) is usual:
+            signal.signal(number, _end)
     from screwsim.cli import main as command
 
     command()

@@ -1,6 +1,7 @@
 """Files that commands write: a place that is refused is told before the work, and what was written is named last."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -83,6 +84,18 @@ def test_a_place_that_cannot_be_written_is_refused_before_anything_is_solved(nam
     answer = command(*name.split(), *given, "-o", str(results / "blocked" / f"out{ending}"))
     assert (answer.code, answer.out) == (2, "") and answer.err.endswith(REFUSED), answer
     assert len(answer.err.splitlines()) == 1 and (results / "blocked").read_text() == "mine\n"
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is always full")
+@each_row("name", [name for name, (_, ending) in WRITES.items() if ending and name != "new" and name != "scene"])
+def test_a_device_is_no_place_for_a_file(name, results, command):
+    """`new` and `scene` overwrite nothing, and say that it exists."""
+    given, ending = WRITES[name]
+    place = f"{name.replace(' ', '_')}{ending}"
+    (results / place).symlink_to("/dev/full")
+    answer = command(*name.split(), *given, "-o", place)
+    told = f"{place}: is a pipe or a device, not a file (choose another -o)\n"
+    assert (answer.code, answer.out, answer.err) == (2, "", told)
 
 
 @pytest.mark.parametrize("as_json", [False, True])

@@ -142,6 +142,13 @@ def test_ctrl_c_is_an_interruption_whatever_became_of_it(became):
     assert (found.returncode, found.stdout, found.stderr) == (130, "", "interrupted\n")
 
 
+def test_a_signal_to_end_is_an_interruption():
+    """Batch systems send it; without a handler a command died without a word, and its workers lived on."""
+    text = PRESS.replace("SIGINT", "SIGTERM") + "def loaded(*_):\n" + SWALLOWED["itself"] + COMMAND
+    found = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, timeout=50)
+    assert (found.returncode, found.stdout, found.stderr) == (130, "", "interrupted\n")
+
+
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no timer raises a lost interruption again")
 def test_a_lost_ctrl_c_is_not_raised_again_while_the_interruption_is_told():
     slow = "def tell(*_):\n    print('told'); time.sleep(0.3); return 130\n"

@@ -2,6 +2,8 @@
 
 import json
 
+import pytest
+
 HEAVY = {"llvmlite", "CoolProp", "matplotlib", "h5py", "scipy", "pint", "numpy", "pandas", "xarray"}
 LOADED = "print(json.dumps(sorted({name.partition('.')[0] for name in sys.modules})), file=sys.stderr)"
 
@@ -33,6 +35,21 @@ def test_module_is_the_command(python):
     answer = python("-m", "screwsim", "--version")
     assert (answer.code, answer.err) == (0, "")
     assert answer.out.startswith("screwsim 0.")
+
+
+OWN = "print(json.dumps(sorted(name for name in sys.modules if name.startswith('screwsim.'))), file=sys.stderr)"
+UNUSED = {  # packages of what a command does not do
+    "run": ("study.stages", "study.sweep", "study.pool", "study.uncertainty", "derivatives", "results", "explain"),
+    "explain": ("study.stages", "study.sweep", "solve", "simulate", "evaluate", "derivatives", "results"),
+}
+
+
+@pytest.mark.parametrize("command", UNUSED)
+def test_a_command_imports_nothing_that_it_does_not_use(command, folder, python):
+    code = f"import json, sys; from screwsim import cli; cli.exit_code(['{command}', 'small.yaml']); {OWN}"
+    loaded = json.loads(python("-c", code).err.splitlines()[-1])
+    assert "screwsim.scene.load" in loaded
+    assert [name for name in loaded if name.removeprefix("screwsim.").startswith(UNUSED[command])] == []
 
 
 ORDERS = (

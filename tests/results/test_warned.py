@@ -9,7 +9,7 @@ import pytest
 from result_fakes import GRID, SCENE, fake_simulate, scene
 
 from screwsim.outputs import Result
-from screwsim.printing import MOST_WARNINGS, print_sweep, sweep_document
+from screwsim.printing.sweep import MOST_WARNINGS, print_sweep, sweep_document
 from screwsim.results import open_results, save
 from screwsim.results.warning_kinds import WarningKind, cases_with_warnings, warning_kinds
 from screwsim.scene import Scene, grid, with_values

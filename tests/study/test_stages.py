@@ -19,8 +19,9 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import STAGES, Figures, Result
 from screwsim.printing.stages import print_stages
 from screwsim.scene import lines, loads
+from screwsim.scene.file_kinds import is_stages
 from screwsim.simulate import simulate, simulate_next
-from screwsim.study.stages import is_stages, read_stages, run_stages
+from screwsim.study.stages import read_stages, run_stages
 from screwsim.study.stages.result import capacities, electrical_figures
 from screwsim.study.stages.solve import ChainResult
 

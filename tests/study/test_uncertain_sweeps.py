@@ -7,7 +7,7 @@ import pytest
 
 import screwsim
 from screwsim.outputs import Result
-from screwsim.printing import print_sweep, sweep_document
+from screwsim.printing.sweep import print_sweep, sweep_document
 from screwsim.printing.uncertain import print_uncertainty, ranges_text, uncertainty_ranges
 from screwsim.report.page import page_of
 from screwsim.report.page.uncertain import inputs_lines

@@ -13,6 +13,7 @@ import sys
 import traceback
 from collections.abc import Iterable, Sequence
 from functools import cache
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -111,13 +112,22 @@ def _how_to_resume(arguments: Sequence[str]) -> str:
     """Return that an interrupted command can be given again; '' where it would begin anew."""
     if "--restart" in arguments:
         return "; without --restart the same command goes on with what is stored"
+    stated = arguments[arguments.index("-o") + 1] if "-o" in arguments[:-1] else ""
     if "sweep" in arguments[:1]:
-        return "; the same command resumes the sweep"
-    if "optimize" in arguments[:1] and "-o" in arguments[:-1]:
-        parts = os.path.realpath(arguments[arguments.index("-o") + 1]) + ".parts"  # beside what a link leads to
-        kept = "continues where it stopped" if os.path.isdir(parts) else "begins anew, as no batch was finished"
+        stems = [Path(each).stem for each in arguments[1:] if each.endswith((".yaml", ".yml"))]
+        files = [stated] if stated else [f"results/{stem}{ending}" for stem in stems[:1] for ending in (".h5", ".csv")]
+        kept = any(map(_is_kept, files)) or not files
+        return f"; the same command {'resumes the sweep' if kept else 'begins anew, as no block was finished'}"
+    if "optimize" in arguments[:1] and stated:
+        kept = "continues where it stopped" if _is_kept(stated) else "begins anew, as no batch was finished"
         return f"; the same command {kept}"
     return ""
+
+
+def _is_kept(file: str) -> bool:
+    """Return whether parts of a file of results are kept, beside what a link leads to, or the file itself is there."""
+    place = os.path.realpath(file)
+    return os.path.isdir(f"{place}.parts") or os.path.isfile(place)
 
 
 def _print_fault(error: Exception, arguments: Sequence[str]) -> int:

@@ -40,7 +40,6 @@ def new(
     """Write a complete, commented scene of a realistic machine, with leaks, oil and losses scaled to its size."""
     if output is not None:
         _check_free(output)
-    from screwsim.results.atomic import write_text
     from screwsim.template import KINDS, kind_of, new_scene, request_of
 
     if kind is None:
@@ -82,6 +81,8 @@ def new(
     if output is None:
         say(text.rstrip("\n"))
         return
+    from screwsim.results.atomic import write_text
+
     _check_free(output)  # again: a file that has appeared meanwhile is kept
     say(write_text(output, text))
 

@@ -48,10 +48,12 @@ def loaded_scene_or_stages(
     scene_file: str, verb: str, overrides: Sequence[str] | None, without: Sequence[str] | None
 ) -> Scene | StageChain:
     """Return the scene of a command, or the two stages that its file joins; effects stay in both of these."""
-    from screwsim.study.stages import is_stages, read_stages
+    from screwsim.scene.file_kinds import is_stages
 
     if not is_stages(scene_file):
         return loaded_scene(scene_file, overrides, without)
+    from screwsim.study.stages import read_stages
+
     refuse_for_stages(scene_file, verb, {"--without": without})
     chain = read_stages(scene_file, overrides or ())
     report_sweeps_of_stages(chain, scene_file)
@@ -124,8 +126,9 @@ def check_results(output: Path) -> None:
 
 
 def _check_writable(output: Path) -> None:
-    from screwsim.results.atomic import check_writable
+    from screwsim.results.atomic import check_target_kind, check_writable
 
+    check_target_kind(output)
     check_writable(output)
 
 

@@ -42,7 +42,7 @@ def run(
     as_json: bool = AS_JSON,
 ) -> int:
     """Simulate one operating point, or two stages in series (a file with stages: [first.yaml, second.yaml])."""
-    from screwsim.study.stages import is_stages
+    from screwsim.scene.file_kinds import is_stages
 
     beside = {"--json": as_json, "--knock-out": knock_out, "--together": together}
     if short and (name := options.first_given(beside)):
@@ -55,14 +55,16 @@ def run(
     scene = options.loaded_point(scene_file, overrides, without)
     if output is not None:
         options.check_place(output)
-    from screwsim.study.knock_out import each_alone, read_groups
-
     points: tuple[MeasuredFigure, ...] = ()
     if measured:  # mistakes are reported before anything is simulated
         from screwsim.study.uncertainty.measured import read_measured
 
         points = read_measured(scene, measured)
-    left_out = (*read_groups(scene, together or ()), *(each_alone(scene) if knock_out else ()))
+    left_out: tuple[LeftOut, ...] = ()
+    if knock_out or together:
+        from screwsim.study.knock_out import each_alone, read_groups
+
+        left_out = (*read_groups(scene, together or ()), *(each_alone(scene) if knock_out else ()))
     result = _simulated(scene, left_out, traced=output is not None)
     if output is not None:
         from screwsim.study.uncertainty.point import save_point
@@ -188,7 +190,7 @@ def sweep(
     as_json: bool = AS_JSON,
 ) -> int:
     """Simulate all cases of a sweep, or resume it, of a scene or of two stages in series."""
-    from screwsim.study.stages import is_stages
+    from screwsim.scene.file_kinds import is_stages
 
     if is_stages(scene_file):
         named = {"--without": without, "--scheduler": scheduler, "--case-limit": case_limit}
@@ -202,7 +204,8 @@ def sweep(
             f"{scene_file}: has no sweep (add a sweep: block, or --set 'sweep.operation.speed=[1000 rpm, 3000 rpm]'; "
             "one point is simulated by screwsim run)"
         )
-    from screwsim.printing import print_json, print_sweep, sweep_document
+    from screwsim.printing import print_json
+    from screwsim.printing.sweep import print_sweep, sweep_document
     from screwsim.study.sweep import run_sweep
 
     if output is not None:
@@ -265,7 +268,7 @@ def explain(
     parameters: bool = switch("--parameters", "List every key with its unit, default, range and meaning."),
 ) -> None:
     """List what is simulated and what is left out, for a scene or two stages in series."""
-    from screwsim.study.stages import explain_stages, is_stages, read_stages
+    from screwsim.scene.file_kinds import is_stages
 
     if names and not (parameters or code):
         kind = "--code" if re.fullmatch(r"[MS]\d+", names[0]) else "--parameters"
@@ -276,6 +279,8 @@ def explain(
     if is_stages(scene_file):
         named = {"--without": without, "--code": code, "--parameters": parameters}
         options.refuse_for_stages(scene_file, "explain", named)
+        from screwsim.study.stages import explain_stages, read_stages
+
         say(explain_stages(read_stages(scene_file, overrides or ())))
         return
     scene = options.loaded_scene(scene_file, overrides, without)
@@ -302,7 +307,7 @@ def accuracy(
     quick: bool = switch("--quick", "A shorter study: seconds instead of minutes."),
 ) -> int:
     """Measure how computing time grows with accuracy: integrators, gases, numerical choices, effects, size."""
-    from screwsim.study.stages import is_stages
+    from screwsim.scene.file_kinds import is_stages
 
     if is_stages(scene_file):
         raise UsageError(f"{scene_file}: describes two stages, and accuracy needs one scene (name that of one stage)")

@@ -1,4 +1,4 @@
-"""The process of a command: its streams, Ctrl-C, and little effort for memory that lives until the end.
+"""The process of a command: its streams, Ctrl-C or SIGTERM, and little effort for memory that lives until the end.
 
 The compiler and CoolProp create a million objects that stay. Python would search them for garbage while importing, and
 destroy them one by one at the end, which takes longer than many a solution.
@@ -22,6 +22,7 @@ GARBAGE_THRESHOLD = 200_000  # objects created between two searches for garbage;
 INTERRUPTED = 130
 DOUBLE_PRESS = 0.5  # [s] within which a second Ctrl-C counts as the first: a key held down, or a signal sent twice
 MOMENT = 0.02  # [s] after which a lost interruption is raised again
+STOPS = signal.SIGINT, signal.SIGTERM  # batch systems and containers end a program by the second
 STDOUT, STDERR = "standard output", "standard error"
 
 _interrupt_time: float | None = None  # when Ctrl-C was first pressed
@@ -75,7 +76,7 @@ def _stream(old: TextIO | None, number: int, label: str) -> TextIO:
 
 
 def interrupted() -> bool:
-    """Tell whether Ctrl-C was pressed, even if its exception was lost."""
+    """Tell whether Ctrl-C was pressed or SIGTERM came, even if its exception was lost."""
     return _interrupt_time is not None
 
 
@@ -92,7 +93,8 @@ def _interrupt(number: int, frame: Any) -> None:
 
 def _exit_at_once() -> NoReturn:
     """End at once, after running the exit functions."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for each in STOPS:
+        signal.signal(each, signal.SIG_IGN)
     with contextlib.suppress(OSError):
         if not _is_ending:
             os.write(2, b"\ninterrupted\n" if os.isatty(2) else b"interrupted\n")
@@ -135,8 +137,9 @@ def begin() -> None:
         except OSError:
             os.set_inheritable(os.open(os.devnull, os.O_RDWR), True)  # opens the lowest free number
     sys.stdout, sys.stderr = _stream(sys.stdout, 1, STDOUT), _stream(sys.stderr, 2, STDERR)
-    if callable(signal.getsignal(signal.SIGINT)):  # a background job of a shell ignores it
-        signal.signal(signal.SIGINT, _interrupt)
+    for each in STOPS:
+        if signal.getsignal(each) != signal.SIG_IGN:  # as a background job of a shell does
+            signal.signal(each, _interrupt)
     sys.unraisablehook = _show_unraisable
 
 

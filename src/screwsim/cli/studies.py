@@ -271,7 +271,7 @@ def calibrate(
         options.print_files(files, as_json)
         options.tell_left(folder, files, f"{PAIRS}.*", PREDICTED)
     if found.status == "interrupted":
-        say(found.message, err=True)
+        say(f"calibrate: {found.message}", err=True)
         return options.INTERRUPTED
     statuses = [found.status, *([] if wide is None else [wide.status])]
     if wide is not None and wide.predictions is not None:

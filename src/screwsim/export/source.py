@@ -16,12 +16,13 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Result
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, load, loads, without_sweep
+from screwsim.scene.file_kinds import is_stages
 from screwsim.scene.units import Refused, parse_quantity
 from screwsim.simulate import simulate
 from screwsim.study.asked.figures import figure_named
 from screwsim.study.asked.varied import Varied, accuracy_of
 from screwsim.study.pool.progress import Progress
-from screwsim.study.stages import is_stages, read_stages
+from screwsim.study.stages import read_stages
 
 DEFAULT_ERROR = 0.005  # relative error of a map, if none is requested
 MOST_CASES = 5000

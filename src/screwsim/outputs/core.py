@@ -39,8 +39,16 @@ _STAGES = (  # figures of two stages in series
         "heat removed by the oil cooler of the second stage, with oil supplied as stated",
         over("shaft_power"),
     ),
-    Figure("first_pressure_ratio", "1", "pressure ratio of the first stage"),
-    Figure("second_pressure_ratio", "1", "pressure ratio of the second stage"),
+    Figure(
+        "first_pressure_ratio",
+        "1",
+        "pressure at the first machine's discharge over that of its suction line, of a package at its inlet",
+    ),
+    Figure(
+        "second_pressure_ratio",
+        "1",
+        "pressure at the second machine's discharge, not at a package's outlet, over that of its suction line",
+    ),
     Figure("first_discharge_temperature", "K", "flow-weighted mean gas temperature at discharge of the first stage"),
     Figure("discharge_temperature", "K", "flow-weighted mean gas temperature at discharge of the second stage"),
     efficiency("isothermal_efficiency", "isothermal efficiency of both stages together"),
@@ -149,7 +157,12 @@ _CORE = (
     Figure("suction_pressure", "Pa", "pressure of the suction line"),
     Figure("suction_temperature", "K", "temperature of the suction line"),
     Figure("discharge_pressure", "Pa", "pressure of the discharge line, in a package before its separator element"),
-    Figure("pressure_ratio", "1", "pressure of the discharge line over that of the suction line (expander: inverse)"),
+    Figure(
+        "pressure_ratio",
+        "1",
+        "pressure of the discharge line over that of the suction line (expander: inverse); of a package that at its "
+        "machine's discharge over that at its inlet",
+    ),
     Figure("displacement", "m3", "swept volume of all chambers per revolution of the male rotor or the crank"),
     Figure("displacement_flow", "m3 s-1", "displacement times speed"),
     Figure(

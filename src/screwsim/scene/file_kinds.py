@@ -1,10 +1,31 @@
 """Recognise, by its keys, a file of another kind than the one a command expects."""
 
+import os
 from collections.abc import Collection
 from shlex import quote
 
-STAGES = "stages"
+from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
+from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
+
+STAGES = "stages"  # key of the files of both scenes
 _FIT = ("parameters", "data", "scene")
+
+
+def is_stages(path: str | os.PathLike[str]) -> bool:
+    """Return whether a YAML file describes stages instead of one scene."""
+    root = mapping_of(shipped_name(path), LocatedFaults())
+    return root is not None and STAGES in root.value
+
+
+def mapping_of(name: str, problems: LocatedFaults) -> Node | None:
+    """Return the tree of a YAML file that is a mapping; None for anything else, and for a file that is missing."""
+    place = Position.start_of(name)
+    try:
+        text = read_text(name, MOST_YAML)
+    except Unreadable:
+        return None  # a missing scene is reported by the reader of scenes
+    root = compose(text, place, problems)
+    return root if root is not None and isinstance(root.value, dict) else None
 
 
 def other_file(keys: Collection[str], name: str, wanted: str = "scene") -> str | None:

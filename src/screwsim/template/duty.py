@@ -7,9 +7,9 @@ import math
 from typing import NamedTuple
 
 from screwsim.fluid import constants
-from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import in_celsius
+from screwsim.scene.conventions import glide_to_tell
 from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes
 from screwsim.template.request import Condition, condition_of, quantity_after_comma
@@ -125,15 +125,15 @@ def conditions(duty: Duty, fluid: str) -> dict[str, str]:
         "condition": f"{e}/{c} degC",
         "evaporating": f"{e} degC",
         "condensing": f"{c} degC",
-        "point": point_of_condensing(fluid),
+        "point": point_of_condensing(fluid, duty.T_c),
         "superheat": duty.superheat,
         "subcooling": f"{min(5.0, 0.5 * (duty.liquid - duty.T_e)):.4g} K",
     }
 
 
-def point_of_condensing(fluid: str) -> str:
-    """Return a comment where the condensing temperature of a fluid with glide is its bubble point; empty elsewhere."""
-    if is_blend(fluid) or not constants.parts_on_boiling(fluid):
+def point_of_condensing(fluid: str, T_c: float) -> str:
+    """Return a comment where the condensing temperature [K] of a fluid with glide is its bubble point; else nothing."""
+    if not glide_to_tell(fluid, T_c):
         return ""
     return f"    # bubble point; of fluid: {fluid}.mix it is the dew point, as on makers' sheets"
 

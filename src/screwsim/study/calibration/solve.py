@@ -296,7 +296,7 @@ def _margin(free: int, chi_squared: float, freedom: int) -> float:
 
 
 def _message(outcome: Residuals, best: Start, interrupted: bool, count: int) -> str:
-    parts = [f"interrupted; the best so far of {count} starts"] if interrupted else []
+    parts = [f"the best so far of {count} starts"] if interrupted else []
     if outcome.reasons:
         name, reason = next(iter(outcome.reasons.items()))
         parts.append(f"{len(outcome.reasons)} fitted points have no solution: {name}: {reason}")

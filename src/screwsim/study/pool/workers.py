@@ -134,6 +134,7 @@ def _start_worker(known: tuple[str, set[str]]) -> None:
     gc.freeze()
     gc.set_threshold(*GARBAGE_THRESHOLDS)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if hasattr(signal, "SIGALRM"):
         signal.signal(signal.SIGALRM, signal.SIG_DFL)  # it ends a case that hangs
     threading.Thread(target=end_with_parent, daemon=True).start()

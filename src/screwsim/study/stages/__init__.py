@@ -2,7 +2,7 @@
 
 from screwsim.study.stages.chain import StageChain
 from screwsim.study.stages.explain import explain_stages
-from screwsim.study.stages.read import is_stages, read_stages, scene_or_stages
+from screwsim.study.stages.read import read_stages, scene_or_stages
 from screwsim.study.stages.result import ChainResult, solution_of
 from screwsim.study.stages.schema import stages_schema
 from screwsim.study.stages.solve import run_stages

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 
 STAGE_NAMES = ("first", "second")
 BETWEEN = "intercooler"
-STAGES_KEY = "stages"  # of the files of both scenes
 COMMON = ("gas.", "machine.mode", "machine.kind")  # beginnings of paths that both scenes state alike
 SOLVED = {  # beginnings of paths that the chain replaces by what it finds
     "first": (

@@ -10,9 +10,10 @@ from screwsim.build import build_parts, package_of
 from screwsim.effects.base import CoolsOil, Plenum
 from screwsim.fluid import constants
 from screwsim.inputs.faults import SceneError, UsageError
-from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
+from screwsim.inputs.textfiles import shipped_name
 from screwsim.scene import Scene, load, scene_of
 from screwsim.scene.fields import section_of
+from screwsim.scene.file_kinds import STAGES, is_stages, mapping_of
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.model_errors import BLOCK
 from screwsim.scene.sections import read_section
@@ -21,12 +22,11 @@ from screwsim.scene.tolerances import split_tolerances
 from screwsim.scene.types import parameters_of_type
 from screwsim.scene.units import gauge_pressures_over
 from screwsim.scene.values import shown
-from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose
+from screwsim.scene.yaml_tree import LocatedFaults, Node
 from screwsim.study.stages.axes import (
     BETWEEN,
     LEAVES,
     STAGE_NAMES,
-    STAGES_KEY,
     UNLOADED_STAGE,
     Intercooler,
     leaf_in_chain,
@@ -35,18 +35,12 @@ from screwsim.study.stages.axes import (
 from screwsim.study.stages.chain import StageChain
 from screwsim.study.stages.tolerances import read_between, read_correlated
 
-KEYS = ("title", STAGES_KEY, "intercooler", "sweep", BLOCK)
+KEYS = ("title", STAGES, "intercooler", "sweep", BLOCK)
 _REMEDY = "write stages: [first.yaml, second.yaml]"
 AFTERCOOLERS = (  # why neither scene may name one, and what to do, of each stage
     ("whose cooling the line to the other stage states", "whose approach would be to the warm suction of that stage"),
     ("intercooler: {kind: cooler, outlet_temperature: …, pressure_drop: …}", "add its loss to that of a valve"),
 )
-
-
-def is_stages(path: str | os.PathLike[str]) -> bool:
-    """Return whether a YAML file describes stages instead of one scene."""
-    root = _root(shipped_name(path), LocatedFaults())
-    return root is not None and STAGES_KEY in root.value
 
 
 def scene_or_stages(given: Any) -> Scene | StageChain:
@@ -60,8 +54,8 @@ def scene_or_stages(given: Any) -> Scene | StageChain:
         return read_stages(given) if is_stages(given) else scene_of(given)
     lines = given.splitlines() if isinstance(given, str) else ()
     keys = given if isinstance(given, Mapping) else {line.partition(":")[0] for line in lines}
-    if STAGES_KEY in keys:
-        what = f"{STAGES_KEY}: two stages are given by the path of their file"
+    if STAGES in keys:
+        what = f"{STAGES}: two stages are given by the path of their file"
         raise UsageError(f"{what} (write one that names the files of both scenes, and pass its path)")
     return scene_of(given)
 
@@ -73,21 +67,11 @@ def read_stages(path: str | os.PathLike[str], overrides: Iterable[str] = ()) -> 
     """
     name = shipped_name(path)
     problems = LocatedFaults()
-    root = _root(name, problems)
+    root = mapping_of(name, problems)
     chain = None if root is None else _typed(root, _overrides_by_stage(root, overrides), problems)
     if problems or chain is None:
         raise problems.error()
     return chain
-
-
-def _root(name: str, problems: LocatedFaults) -> Node | None:
-    place = Position.start_of(name)
-    try:
-        text = read_text(name, MOST_YAML)
-    except Unreadable:
-        return None  # a missing scene is reported by the reader of scenes
-    root = compose(text, place, problems)
-    return root if root is not None and isinstance(root.value, dict) else None
 
 
 def _overrides_by_stage(root: Node, overrides: Iterable[str]) -> dict[str, list[str]]:
@@ -124,7 +108,7 @@ def _typed(root: Node, overrides: dict[str, list[str]], problems: LocatedFaults)
     if BETWEEN in content:
         plain, written = split_tolerances(content[BETWEEN], BETWEEN)
         between = read_section(section_of(Intercooler), plain, BETWEEN, problems)
-    files = _files(root, content[STAGES_KEY], problems)
+    files = _files(root, content[STAGES], problems)
     if problems or files is None:
         return None
     if between.cools != (between.outlet_temperature is not None):
@@ -163,45 +147,45 @@ def _files(root: Node, node: Node, problems: LocatedFaults) -> list[str] | None:
     names = [item.value for item in node.value] if isinstance(node.value, list) else None
     if names is None or len(names) != len(STAGE_NAMES) or not all(isinstance(name, str) for name in names):
         what = f"is {shown(names or node.value)}, not the files of two scenes"
-        problems.add(node.place, STAGES_KEY, f"{what} ({_REMEDY})")
+        problems.add(node.place, STAGES, f"{what} ({_REMEDY})")
         return None
     files = [os.path.join(root.place.folder, name) for name in names]
     for item, file in zip(node.value, files, strict=True):
         if not os.path.isfile(file):
             what = f"{shown(item.value)} is not a file (name an existing scene, relative to this file)"
-            problems.add(item.place, STAGES_KEY, what)
+            problems.add(item.place, STAGES, what)
     return files
 
 
 def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str, Any], problems: LocatedFaults) -> None:
     """Add faults of what does not go together: gases, expanders, drawn gas, an economizer without a condenser."""
-    place = content[STAGES_KEY].place
+    place = content[STAGES].place
     for name, scene in zip(STAGE_NAMES, (first, second), strict=True):
         for effect, part in build_parts(scene).all(Plenum):
             if part.product:
                 drawn = "which draws gas that the balance between the stages does not include"
                 what = f"the {name} scene names {effect}, {drawn}"
-                problems.add(place, STAGES_KEY, f"{what} (leave it out there)")
+                problems.add(place, STAGES, f"{what} (leave it out there)")
     for name, scene, what, remedy in zip(STAGE_NAMES, (first, second), *AFTERCOOLERS, strict=True):
         if getattr(package_of(scene), "aftercooler", None) is not None:
             what = f"the {name} scene names an aftercooler, {what}"
-            problems.add(place, STAGES_KEY, f"{what} (write aftercooler: null there, and {remedy})")
+            problems.add(place, STAGES, f"{what} (write aftercooler: null there, and {remedy})")
         if not getattr(package_of(scene), "delivers", True):
-            problems.add(place, STAGES_KEY, f"the {name} scene {UNLOADED_STAGE} (write state: loaded there)")
+            problems.add(place, STAGES, f"the {name} scene {UNLOADED_STAGE} (write state: loaded there)")
     if any(each.cooled_by_inlet for each in parameters_of_type(second.effects, CoolsOil).values()):
         what = "the second scene's oil cooler would have the warm suction of that stage for its coolant"
-        problems.add(place, STAGES_KEY, f"{what} (state its coolant_temperature there)")
+        problems.add(place, STAGES, f"{what} (state its coolant_temperature there)")
     if first.gas != second.gas:
         apart = (
             each.name for each in fields(first.gas) if getattr(first.gas, each.name) != getattr(second.gas, each.name)
         )
         what = f"have different gases: {', '.join(f'gas.{name}' for name in apart)}"
-        problems.add(place, STAGES_KEY, f"{what} (write the same gas: section in both)")
+        problems.add(place, STAGES, f"{what} (write the same gas: section in both)")
     if first.machine.expands or second.machine.expands:
-        problems.add(place, STAGES_KEY, "must be compressors, not machine.mode: expander (choose compressors)")
+        problems.add(place, STAGES, "must be compressors, not machine.mode: expander (choose compressors)")
     if second.gas.relative_humidity is not None:
         what = "states a relative_humidity, but the water that condenses between the stages is not modelled"
-        problems.add(place, STAGES_KEY, f"{what} (remove it from both scenes, or run them one by one)")
+        problems.add(place, STAGES, f"{what} (remove it from both scenes, or run them one by one)")
     if between.flashes and constants.parts_on_boiling(second.gas.name):
         what = f"vapour boiling off {second.gas.name}, a blend, differs from it in composition"
         remedy = "write kind: cooler, or name a pure fluid"

@@ -3,6 +3,7 @@
 from typing import Any
 
 from screwsim.scene.fields import section_of
+from screwsim.scene.file_kinds import STAGES
 from screwsim.scene.model_errors import BLOCK
 from screwsim.scene.schema import (
     CORRELATED_SCHEMA,
@@ -14,7 +15,7 @@ from screwsim.scene.schema import (
     sweep_schema,
 )
 from screwsim.scene.tolerances import CORRELATED_KEY
-from screwsim.study.stages.axes import BETWEEN, LEAVES, STAGE_NAMES, STAGES_KEY, Intercooler, names_in_chain
+from screwsim.study.stages.axes import BETWEEN, LEAVES, STAGE_NAMES, Intercooler, names_in_chain
 
 
 def stages_schema() -> dict[str, Any]:
@@ -36,10 +37,10 @@ def stages_schema() -> dict[str, Any]:
     own = OWN_PARAMETER.replace("^", f"^({'|'.join(STAGE_NAMES)})\\.", 1)
     properties = {
         "title": {"type": ["string", "null"]},
-        STAGES_KEY: files,
+        STAGES: files,
         "intercooler": between,
         "sweep": sweep_schema(names_in_chain, more, own),
         BLOCK: mapping({CORRELATED_KEY: CORRELATED_SCHEMA}, [CORRELATED_KEY]),
     }
-    schema = {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES_KEY])
+    schema = {"$schema": DRAFT, "title": "screwsim stages"} | mapping(properties, [STAGES])
     return schema | {"$defs": axis_definitions()}
