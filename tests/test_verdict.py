@@ -87,16 +87,17 @@ def test_what_keeps_from_the_critical_point_is_of_what_the_machine_has(scene, re
 
 
 @pytest.mark.parametrize(
-    ("scene", "wet", "cold"),
+    ("scene", "wet", "cold", "blend"),
     [
-        ("paper/point.yaml", "warmer oil or gas", "warmer suction gas or oil"),
-        ("slider_crank/air.yaml", "warmer gas in the suction line", "warmer suction gas"),
+        ("paper/point.yaml", "warmer oil or gas", "warmer suction gas or oil", ""),
+        ("slider_crank/air.yaml", "warmer gas in the suction line", "warmer suction gas", "Air.mix"),
     ],
 )
-def test_what_keeps_from_condensing_and_cold_is_of_what_the_machine_has(scene, wet, cold):
+def test_what_keeps_from_condensing_and_cold_is_of_what_the_machine_has(scene, wet, cold, blend):
     told = {limit: remedy_for(limit, outside(scene, limit, "")) for limit in (Limit.WET, Limit.GLIDING, Limit.COLD)}
     assert told[Limit.WET] == f"use {wet}, or gas.two_phase: equilibrium"
-    assert told[Limit.GLIDING] == f"use {wet}" and told[Limit.COLD] == f"use {cold}, or a wider suction port"
+    known = f", or gas.fluid: {blend} with gas.two_phase: equilibrium" if blend else ""
+    assert told[Limit.GLIDING] == f"use {wet}{known}" and told[Limit.COLD] == f"use {cold}, or a wider suction port"
 
 
 def test_a_pseudo_pure_fluid_that_condenses_is_offered_the_blend_whose_phases_are_followed():
