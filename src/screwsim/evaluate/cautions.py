@@ -57,7 +57,7 @@ def warnings(of: Evaluation) -> Iterator[str]:
     yield from _warmed_from_outside(of)
     yield from late_valves.warnings(of)
     yield from _separator_warnings(of)
-    yield from humidity.warnings(problem, of.life, found, of.circuit)
+    yield from humidity.warnings(of)
     yield from open_values.warnings(problem.scene, found)
     for active in problem.scene.effects.values():
         yield from active.effect.warnings(found) if active.effect.warnings else ()

@@ -27,6 +27,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
+from screwsim.outputs.variables import NOT_CLOSED
 from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Cost, CostMeter, criteria_of, record_in_course, solve
 from screwsim.solve.drive import at_motor_speed, close_with_drive
 from screwsim.solve.surroundings import (
@@ -82,6 +83,7 @@ class SurroundingsSearch:
     expected: float = FIRST_OPEN  # residual of the next cycle
     contracts: float = CONTRACTION  # expected ratio of residuals over a step
     cycle: CycleSolution | None = None  # the last cycle; None where it was closed less tightly than the scene asks
+    left_open: tuple[Problem, CycleSolution] | None = None  # the last that closing as asked left open, and its problem
 
     def step(self, x: Array, asked: ImpliedSurroundings) -> Array:
         """Return the next change of the unknowns [K, kPa] from x by Broyden's method.
@@ -133,7 +135,10 @@ class SurroundingsSearch:
         watch, asked = CostMeter(machinery), criteria_of(problem, self.course.tightness)
         criteria = _rough_criteria(asked, self.expected)
         task = ClosingTask(problem, machinery, criteria)
-        cycle = close_with_drive(task, close(task, course))
+        first = close(task, course)
+        if criteria is asked and course is self.course and first.status == NOT_CLOSED:
+            self.left_open = problem, first
+        cycle = close_with_drive(task, first)
         watch.lap()
         self.cost = self.cost.plus(watch.cost)
         leases.give_back(machinery)
@@ -148,6 +153,12 @@ class SurroundingsSearch:
     def judge(self, cycle: CycleSolution, criteria: ClosingCriteria) -> None:
         """Take over how far off what a cycle shows may be, by what it leaves open."""
         self.noise = NOISE * max(cycle.change, cycle.residual * criteria.bound)
+
+    def known_open(self, problem: Problem) -> CycleSolution | None:
+        """Return what closing this problem as asked has left open; None where it is not known."""
+        if self.left_open is None or self.left_open[0] is not problem:
+            return None
+        return self.left_open[1]
 
     def closed_as_asked(self, of: Evaluation) -> Evaluation | None:
         """Return a cycle closed as accurately as asked; None where it was closed so, or does not close."""
@@ -312,7 +323,7 @@ def solve_with_surroundings(
     """
     if search is None:
         return solve(problem, machinery, course)
-    accurate = solve(problem, machinery, search.course, search.cycle)
+    accurate = solve(problem, machinery, search.course, search.cycle or search.known_open(problem))
     errors, tightness, cost = _with_unknowns(accurate, search), 1.0, search.cost
     for _ in range(MOST_REPETITIONS):
         asked = implied_surroundings(accurate.evaluation)
