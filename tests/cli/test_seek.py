@@ -47,6 +47,21 @@ def test_find_says_the_value_its_error_and_writes_the_scene(sought, command):
     assert load("found.yaml").operation.speed == pytest.approx(3600.0 * RPM)
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("find", *SPEED, "--for", "gas_mass_flow=1.2 kg/s"),
+        ("optimize", *RATIO, "--maximize", "isothermal_efficiency"),
+        ("optimum", "--path", "oil_supply.ratio=0.5..4"),
+    ],
+)
+def test_a_search_tells_under_the_title_what_the_command_line_changes(sought, command, words):
+    """A title may name another gas than the one that is set."""
+    name, *others = words
+    told = command(name, "oiled.yaml", *others, "--set", "gas.fluid=R1234yf", "--without", "tip_leakage", "--jobs", "1")
+    assert "with gas.fluid=R1234yf, without tip_leakage" in told.out.splitlines()[:2]
+
+
 def test_find_shows_the_cop_of_heating_on_the_electrical_power(sought, monkeypatch, command):
     """That on the shaft power has the heat of a motor in the suction gas for nothing."""
     cops = Figures(cop=3.7, heating_cop=4.8, electrical_cop=3.4, electrical_heating_cop=4.4)

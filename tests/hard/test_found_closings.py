@@ -440,6 +440,8 @@ def test_what_a_search_left_open_is_not_closed_again_the_same_way():
     """The oil's circuit had closed it from the same start: 7.2 million evaluations instead of 3.7."""
     at = {"speed": "620 rpm", "evaporating_temperature": "-17.35 degC", "condensing_temperature": "64.48 degC"}
     template = new_scene("refrigeration", request_of(fluid="R410A", condition="-10/40 degC", economizer=True))
-    found = simulate(loads(template, overrides=[f"operation.{path}={value}" for path, value in at.items()]), trace=False)
+    found = simulate(
+        loads(template, overrides=[f"operation.{path}={value}" for path, value in at.items()]), trace=False
+    )
     assert found.status == "failed" and "above the equation's highest temperature" in found.message
     assert found.numerics.rhs_evaluations < 4_500_000

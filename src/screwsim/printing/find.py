@@ -52,9 +52,9 @@ def _row_document(row: GoalSeekAnswer) -> dict[str, Any]:
     }
 
 
-def print_find(scene: Varied, asked: Question, rows: Sequence[GoalSeekAnswer]) -> None:
+def print_find(scene: Varied, asked: Question, rows: Sequence[GoalSeekAnswer], changed: Sequence[str] = ()) -> None:
     """Print the values for each point of the other axes, the figures there, and remarks."""
-    print_scene_title(scene.title)
+    print_scene_title(scene.title, changed)
     for span in asked.spans:
         print_text(f"{span.path}, {shown_range(scene, span.path, span.low, span.high)}")
     wanted = (f"{shown_name(goal.figure)} {figure_text(goal.figure, goal.value)}" for goal in asked.goals)
