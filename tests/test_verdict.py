@@ -11,7 +11,7 @@ from each_row import each_row
 from screwsim.cycle.problem import Problem, problem_of
 from screwsim.evaluate.verdict import failure, outside_gas_range, remedy_for
 from screwsim.fluid.limits import Limit, Outside
-from screwsim.scene import load
+from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
 
 CONFIGS = Path(__file__).parents[1] / "configs"
@@ -87,16 +87,25 @@ def test_what_keeps_from_the_critical_point_is_of_what_the_machine_has(scene, re
 
 
 @pytest.mark.parametrize(
-    ("scene", "wet", "cold"),
+    ("scene", "wet", "cold", "blend"),
     [
-        ("paper/point.yaml", "warmer oil or gas", "warmer suction gas or oil"),
-        ("slider_crank/air.yaml", "warmer gas in the suction line", "warmer suction gas"),
+        ("paper/point.yaml", "warmer oil or gas", "warmer suction gas or oil", ""),
+        ("slider_crank/air.yaml", "warmer gas in the suction line", "warmer suction gas", "Air.mix"),
     ],
 )
-def test_what_keeps_from_condensing_and_cold_is_of_what_the_machine_has(scene, wet, cold):
+def test_what_keeps_from_condensing_and_cold_is_of_what_the_machine_has(scene, wet, cold, blend):
     told = {limit: remedy_for(limit, outside(scene, limit, "")) for limit in (Limit.WET, Limit.GLIDING, Limit.COLD)}
     assert told[Limit.WET] == f"use {wet}, or gas.two_phase: equilibrium"
-    assert told[Limit.GLIDING] == f"use {wet}" and told[Limit.COLD] == f"use {cold}, or a wider suction port"
+    known = f", or gas.fluid: {blend} with gas.two_phase: equilibrium" if blend else ""
+    assert told[Limit.GLIDING] == f"use {wet}{known}" and told[Limit.COLD] == f"use {cold}, or a wider suction port"
+
+
+def test_a_pseudo_pure_fluid_that_condenses_is_offered_the_blend_whose_phases_are_followed():
+    """What expands out of the dead volume of a screw from -40 to 40 °C gets wet, whatever the oil."""
+    problem = outside("paper/point.yaml", Limit.GLIDING, "")
+    scene = with_values(problem.scene, {"gas.fluid": "R410A", "gas.model": "real"})
+    told = remedy_for(Limit.GLIDING, replace(problem, scene=scene))
+    assert told == "use warmer oil or gas, or gas.fluid: R410A.mix with gas.two_phase: equilibrium"
 
 
 def test_a_machine_that_all_but_stands_is_told_so():

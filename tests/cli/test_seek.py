@@ -3,6 +3,7 @@
 import json
 import math
 import sys
+from dataclasses import replace
 
 import pytest
 
@@ -44,6 +45,33 @@ def test_find_says_the_value_its_error_and_writes_the_scene(sought, command):
     assert "isothermal efficiency" not in found.out  # neither sought, nor one of those shown beside
     assert (found.out.splitlines()[-1], found.err) == ("found.yaml", "")
     assert load("found.yaml").operation.speed == pytest.approx(3600.0 * RPM)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("find", *SPEED, "--for", "gas_mass_flow=1.2 kg/s"),
+        ("optimize", *RATIO, "--maximize", "isothermal_efficiency"),
+        ("optimum", "--path", "oil_supply.ratio=0.5..4"),
+    ],
+)
+def test_a_search_tells_under_the_title_what_the_command_line_changes(sought, command, words):
+    """A title may name another gas than the one that is set."""
+    name, *others = words
+    told = command(name, "oiled.yaml", *others, "--set", "gas.fluid=R1234yf", "--without", "tip_leakage", "--jobs", "1")
+    assert "with gas.fluid=R1234yf, without tip_leakage" in told.out.splitlines()[:2]
+
+
+def test_find_shows_the_cop_of_heating_on_the_electrical_power(sought, monkeypatch, command):
+    """That on the shaft power has the heat of a motor in the suction gas for nothing."""
+    cops = Figures(cop=3.7, heating_cop=4.8, electrical_cop=3.4, electrical_heating_cop=4.4)
+
+    def with_cops(scenes, trace=True):
+        return (replace(found, performance=Figures(found.performance | cops)) for found in map(fake, scenes))
+
+    monkeypatch.setattr(sys.modules[warm_up.__module__], "simulate_many", with_cops)
+    told = command("find", "oiled.yaml", *SPEED, "--for", "gas_mass_flow=1.2 kg/s").out
+    assert "\n  electrical heating COP  4.4\n" in told and "\n  heating COP" not in told
 
 
 def test_find_says_how_far_tolerances_move_the_value(folder, command):

@@ -27,6 +27,7 @@ WORDS = "a word of its own that an effect is called by as well"
 WRITES = "it writes scenes with effects"
 ALLOWED = {
     "cli/export.py": ({"bearings"}, "the help of an option says from where its default is"),
+    "evaluate/cautions.py": ({"wall_heat"}, FIGURES),
     "evaluate/figures.py": ({"wall_heat"}, FIGURES),
     "evaluate/ledger/book.py": ({"oil_injection", "suction_line"}, FIGURES),
     "explain/__init__.py": ({"suction_port", "discharge_port"}, SECTIONS),

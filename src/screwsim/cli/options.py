@@ -100,6 +100,11 @@ def counted_progress(title: str, what: str) -> Iterator[Progress]:
         raise
 
 
+def changes(overrides: Sequence[str] | None, without: Sequence[str] | None) -> list[str]:
+    """Return in words what a command line changes in its scene, which its title does not tell."""
+    return [*(f"with {each}" for each in overrides or ()), *(f"without {each}" for each in without or ())]
+
+
 def print_document_or_text(
     as_json: bool, document: Callable[..., Any], printed: Callable[..., None], *found: Any
 ) -> None:

@@ -81,7 +81,7 @@ def run(
 
         print_json(result.as_json() | ({} if compared is None else {"measured": compared.as_json()}))
     else:
-        changed = [*(f"with {each}" for each in overrides or ()), *(f"without {each}" for each in without or ())]
+        changed = options.changes(overrides, without)
         _print_point(scene, result, changed, short)
         if compared is not None:
             from screwsim.printing.measured import print_measured

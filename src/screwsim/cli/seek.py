@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -52,7 +53,8 @@ def find(
         _check_found(output, "-o", scene, scene_file)
     with options.counted_progress("find", "rows") as shown:
         rows = find_each(scene, asked, jobs=jobs, progress=shown)
-    options.print_document_or_text(as_json, find_document, print_find, scene, asked, rows)
+    printed = partial(print_find, changed=options.changes(overrides, without))
+    options.print_document_or_text(as_json, find_document, printed, scene, asked, rows)
     found = rows[0]
     if output is not None and table:
         write_find(output, scene, asked, rows)
@@ -151,7 +153,8 @@ def optimize(
             raise UsageError(f"--best {best}: nothing varies (write --vary PATH=LOW..HIGH, or leave it out)")
         _check_found(best, "--best", scene, scene_file)
     found = run_question(asked, output, jobs=jobs, restart=restart, progress=options.progress_bar("optimize"))
-    options.print_document_or_text(as_json, optimize_document, print_optimize, found)
+    printed = partial(print_optimize, changed=options.changes(overrides, without))
+    options.print_document_or_text(as_json, optimize_document, printed, found)
     written = [] if output is None else [str(output)]
     if best is not None and found.scene is not None:
         told = f"optimize {Path(scene_file).name} --vary {', '.join(span.path for span in asked.spans)}"

@@ -49,7 +49,8 @@ def optimum(
         typer.echo(f"optimum: {told}", err=True)
     with options.counted_progress("optimum", "rows") as shown:
         rows = found(scene, asked, jobs=jobs, progress=shown)
-    options.print_document_or_text(as_json, optimum_document, print_optimum, scene, asked, rows)
+    printed = partial(print_optimum, changed=options.changes(overrides, without))
+    options.print_document_or_text(as_json, optimum_document, printed, scene, asked, rows)
     if output is not None:
         write_optimum(output, scene, asked, rows)
         options.print_files([output], as_json)
@@ -122,7 +123,8 @@ def sensitivity(
     if local:
         if paths:
             raise UsageError(f"--path {paths[0]}: --local takes no ranges (name the path alone, without --path)")
-        return _local_sensitivity(scene, places or (), figures or (), output, jobs, as_json)
+        changed = options.changes(overrides, without)
+        return _local_sensitivity(scene, places or (), figures or (), output, jobs, as_json, changed)
     if places:
         raise UsageError(f"{places[0]}: has no range (write --path PATH=LOW..HIGH, or add --local)")
     from screwsim.printing.sensitivity import print_sensitivity, sensitivity_document, write_sensitivity
@@ -143,7 +145,8 @@ def sensitivity(
         print_text(f"sensitivity: {cost_in_words(len(ranges), samples)}", err=True)
     with options.counted_progress("sensitivity", "solutions") as shown:
         found = studied(scene, ranges, names, samples=samples, seed=seed, jobs=jobs, progress=shown)
-    options.print_document_or_text(as_json, sensitivity_document, print_sensitivity, scene, found)
+    printed = partial(print_sensitivity, changed=options.changes(overrides, without))
+    options.print_document_or_text(as_json, sensitivity_document, printed, scene, found)
     if output is not None and not found.message:
         write_sensitivity(output, found)
         options.print_files([output], as_json)
@@ -173,7 +176,13 @@ def _checked_uncertainty(
 
 
 def _local_sensitivity(
-    scene: Varied, places: Sequence[str], figures: Sequence[str], output: File, jobs: int | None, as_json: bool
+    scene: Varied,
+    places: Sequence[str],
+    figures: Sequence[str],
+    output: File,
+    jobs: int | None,
+    as_json: bool,
+    changed: Sequence[str],
 ) -> int:
     """Print and write the derivatives of a scene's figures by its numbers."""
     from screwsim.printing.sensitivity import local_document, print_local, write_local
@@ -190,7 +199,8 @@ def _local_sensitivity(
     names = [figure_of(scene, name) for name in figures]
     with options.counted_progress("sensitivity", "solutions") as shown:
         found = sensitivities(scene, places, names, jobs=jobs, progress=shown)
-    options.print_document_or_text(as_json, local_document, partial(print_local, chosen=names), scene, found)
+    printed = partial(print_local, chosen=names, changed=changed)
+    options.print_document_or_text(as_json, local_document, printed, scene, found)
     if output is not None and found.derivatives:
         write_local(output, scene, found)
         options.print_files([output], as_json)

@@ -10,6 +10,7 @@ from screwsim.cycle.solution import CycleSolution
 from screwsim.cycle.ways import way_of
 from screwsim.effects.base import OilRoom, Separator, Stops
 from screwsim.evaluate.evaluation import Evaluation
+from screwsim.fluid.composition import ENDING, predefined_name
 from screwsim.fluid.limits import Limit, Outside
 from screwsim.machine.kinds import find_machine
 from screwsim.machine.settings import TURN
@@ -68,7 +69,10 @@ def remedy_for(limit: Limit, problem: Problem) -> str:
         return f"use warmer suction gas{' or oil' if oiled else ''}, or a wider suction port"
     if limit is Limit.CRITICAL:
         return f"use {wider}, a lower discharge pressure or warmer {'oil' if oiled else 'suction gas'}"
-    return f"use {warmer}, or gas.two_phase: equilibrium" if limit is Limit.WET else f"use {warmer}"
+    if limit is Limit.WET:
+        return f"use {warmer}, or gas.two_phase: equilibrium"
+    blend = predefined_name(f"{problem.scene.gas.name}{ENDING}")  # its phases are followed, a pseudo-pure fluid's not
+    return f"use {warmer}, or gas.fluid: {blend} with gas.two_phase: equilibrium" if blend else f"use {warmer}"
 
 
 def _dead_volume(problem: Problem) -> str:

@@ -22,7 +22,8 @@ from screwsim.study.seek.answer import Size
 MOST_NOTES = 4  # most notes printed
 OTHER_FIGURES = (  # for a single answer, shown beside the figures sought
     *("free_air_delivered", "package_input_power", "package_specific_power"),
-    *("cooling_capacity", "shaft_power", "cop", "heating_capacity", "heating_cop", "intermediate_pressure"),
+    *("cooling_capacity", "shaft_power", "electrical_power", "cop", "electrical_cop"),
+    *("heating_capacity", "heating_cop", "electrical_heating_cop", "intermediate_pressure"),
     *("isentropic_efficiency", "volumetric_efficiency", "discharge_temperature", "gas_mass_flow"),
 )
 
@@ -51,9 +52,9 @@ def _row_document(row: GoalSeekAnswer) -> dict[str, Any]:
     }
 
 
-def print_find(scene: Varied, asked: Question, rows: Sequence[GoalSeekAnswer]) -> None:
+def print_find(scene: Varied, asked: Question, rows: Sequence[GoalSeekAnswer], changed: Sequence[str] = ()) -> None:
     """Print the values for each point of the other axes, the figures there, and remarks."""
-    print_scene_title(scene.title)
+    print_scene_title(scene.title, changed)
     for span in asked.spans:
         print_text(f"{span.path}, {shown_range(scene, span.path, span.low, span.high)}")
     wanted = (f"{shown_name(goal.figure)} {figure_text(goal.figure, goal.value)}" for goal in asked.goals)
@@ -172,8 +173,11 @@ def _figures(asked: Question, row: GoalSeekAnswer) -> Iterator[tuple[str, str]]:
         value = row.size.figure if row.size else row.figures[name]
         error = error_text(name, row.figures[name], row.errors[name])
         yield shown_name(name), f"{figure_text(name, value)}, error {error}"
-    for name in OTHER_FIGURES:
-        if name not in sought and performance.get(name) is not None:
+    there = [name for name in OTHER_FIGURES if name not in sought and performance.get(name) is not None]
+    # the COP of heating on the shaft power has the heat of a motor in the suction gas for nothing
+    less = {"heating_cop"} if "electrical_heating_cop" in there else set[str]()
+    for name in there:
+        if name not in less:
             yield shown_name(name), figure_text(name, performance[name])
 
 

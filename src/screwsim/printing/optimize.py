@@ -67,10 +67,10 @@ def optimize_document(found: Optimum) -> dict[str, Any]:
     }
 
 
-def print_optimize(found: Optimum) -> None:
+def print_optimize(found: Optimum, changed: Sequence[str] = ()) -> None:
     """Print the question, the best or the front, remarks, and the counts."""
     asked = found.asked
-    print_scene_title(asked.scene.title)
+    print_scene_title(asked.scene.title, changed)
     senses = (f"{'lowest' if aim.minimum else 'highest'} {shown_name(aim.figure)}" for aim in asked.aims)
     over = "" if asked.points.single else f" over {asked.points.name}"
     shown = (f"{span.path} {shown_range(asked.scene, span.path, span.low, span.high)}" for span in asked.spans)

@@ -36,10 +36,10 @@ def optimum_document(scene: Varied, asked: Question, rows: Sequence[Best]) -> di
     }
 
 
-def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
+def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best], changed: Sequence[str] = ()) -> None:
     """Print one row per point of the other axes, then remarks on single ones."""
     word = "lowest" if asked.minimum else "highest"
-    print_scene_title(scene.title)
+    print_scene_title(scene.title, changed)
     ends = shown_range(scene, asked.path, asked.low, asked.high)
     print_text(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}")
     say()

@@ -43,9 +43,9 @@ def sensitivity_document(scene: Varied, found: Sensitivity) -> dict[str, Any]:
     }
 
 
-def print_sensitivity(scene: Varied, found: Sensitivity) -> None:
+def print_sensitivity(scene: Varied, found: Sensitivity, changed: Sequence[str] = ()) -> None:
     """Print one table per figure, with inputs of the largest total index first."""
-    print_scene_title(scene.title)
+    print_scene_title(scene.title, changed)
     samples = f"{found.samples} samples of {len(found.ranges)} input{'s' * (len(found.ranges) > 1)}, seed {found.seed}"
     print_text(f"{found.solutions} solutions: {samples}")
     if found.message:
@@ -112,9 +112,9 @@ def local_document(scene: Varied, found: Sensitivities) -> dict[str, Any]:
     }
 
 
-def print_local(scene: Varied, found: Sensitivities, chosen: Sequence[str] = ()) -> None:
+def print_local(scene: Varied, found: Sensitivities, chosen: Sequence[str] = (), changed: Sequence[str] = ()) -> None:
     """Print a table of numbers by figures [%/%], the most important first, and the first of them in words."""
-    print_scene_title(scene.title)
+    print_scene_title(scene.title, changed)
     if found.result.status != "ok":
         print_text(f"status: {found.result.status}; {found.result.message}")
     print_wrapped(f"warning: {warning}" for warning in found.result.warnings)

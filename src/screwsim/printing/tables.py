@@ -58,9 +58,9 @@ def wrapped(text: str) -> str:
     return textwrap.fill(text, WIDTH - 1, subsequent_indent="  ", break_on_hyphens=False)
 
 
-def print_scene_title(title: str) -> None:
-    """Print a title, if any, in lines that fit, with its units as printed."""
-    print_wrapped(filter(None, [with_printed_units(title)]))
+def print_scene_title(title: str, changed: Sequence[str] = ()) -> None:
+    """Print a title, if any, in lines that fit, with its units as printed, and what the command line changes."""
+    print_wrapped(filter(None, [with_printed_units(title), ", ".join(changed)]))
 
 
 def column_heads(paths: Sequence[str]) -> list[str]:

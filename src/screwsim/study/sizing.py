@@ -137,7 +137,8 @@ def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]
         assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of air"]
         assumed += ["losses of a typical package, a fan of 4 % of the motor"]
         assumed += [f"an inverter that loses {100.0 * INVERTER_LOSS_SHARE:g} % of it"] if asked.variable else []
-        at, inlet = scene.operation.ambient_pressure, scene.operation.suction.pressure
+        at = scene.operation.ambient_pressure
+        inlet = scene.operation.suction.pressure or at
         if abs(inlet - at) > ELSEWHERE * at:
             assumed += [
                 f"gauge pressures over {in_bar(at)} (operation.ambient_pressure), not over the inlet's {in_bar(inlet)}"
