@@ -16,7 +16,7 @@ from screwsim.simulate import simulate
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 OF_THEORETICAL = "effects.mechanical.of=theoretical_power"
-MACHINE = SimpleNamespace(lobes=4, swept_volume=1.692e-4)
+MACHINE = SimpleNamespace(lobes=4, swept_volume=1.692e-4, pitch=0.5 * math.pi)
 FIGURES = SimpleNamespace(
     omega=300.0,
     tip_speed=24.0,
@@ -86,6 +86,23 @@ def test_friction_of_the_theoretical_power_has_a_torque_that_no_slide_changes():
     taken = [power(mechanical, stays, indicated_power=each, **known) for each in (5e4, 1e4)]
     assert taken == [pytest.approx(0.1 * 200.0 * 300.0)] * 2
     assert power(mechanical, stays, omega=600.0, **known) == pytest.approx(2.0 * taken[0])
+
+
+def test_friction_at_a_mean_effective_pressure_takes_the_same_work_a_turn_whatever_the_gas_does():
+    """Besides the share of the power; the pressure times the volume that is displaced in a turn (M461)."""
+    rubs = mechanical.Parameters(fraction=0.1, mean_effective_pressure=3e4)
+    displaced = 4 * 1.692e-4 * 300.0 / (2.0 * math.pi)  # [m³/s] of four lobes
+    for indicated in (5e4, -5e4, 0.0):
+        taken = power(mechanical, rubs, indicated_power=indicated)
+        assert taken == pytest.approx(0.1 * abs(indicated) + 3e4 * displaced)
+    assert power(mechanical, rubs, indicated_power=0.0, omega=600.0) == pytest.approx(2.0 * 3e4 * displaced)
+
+
+@pytest.mark.parametrize("scene", ["r134a/point", "slider_crank/air"])
+def test_the_mean_effective_pressure_of_friction_is_that_of_the_displaced_flow(scene):
+    stated = "effects.mechanical={fraction: 0, mean_effective_pressure: 0.3 bar}"
+    found = simulate(load(CONFIGS / f"{scene}.yaml", [stated, "numerics.error=none"]), trace=False).performance
+    assert found.mechanical_power == pytest.approx(0.3e5 * found.displacement_flow, rel=1e-12)
 
 
 @pytest.mark.parametrize("scene", ["r134a/point", "paper/point", "slider_crank/air"])

@@ -124,6 +124,27 @@ def test_at_a_border_it_is_said_whether_there_is_anything_beyond(high, told):
     assert reach.border == "upper border" and reach.beyond.startswith(told) and bool(reach.beyond) == bool(told)
 
 
+def test_a_best_beside_values_that_fail_says_why(capsys):
+    """`gappy` has no solution from a ratio of 5 on, and its best at 6000 rpm is at 6.28."""
+    fast = with_values(scene(), {"operation.speed": 6.0 * RPM * 1000.0})
+    found = optimize(fast, ["oil_supply.ratio=0.5..8"], ["isothermal_efficiency"], simulate=gappy, jobs=1)
+    reach = found.reach["oil_supply.ratio"]
+    assert found.values["oil_supply.ratio"] == pytest.approx(5.0, rel=1e-2) and not reach.border
+    print_optimize(found)
+    told = "oil_supply.ratio: at the edge of the values that have a solution: failed: pressure left the range"
+    assert told in " ".join(capsys.readouterr().out.split())
+
+
+def test_the_operating_point_that_fails_is_told(tmp_path):
+    """`gappy` fails at 2000 rpm."""
+    file = tmp_path / "points.csv"
+    file.write_text("name,operation.speed [rpm]\nslow,1500\nmiddle,2000\nfast,3000\n")
+    asked = {"maximize": ["isothermal_efficiency"], "over": str(file), "evaluations": 5}
+    found = optimize(scene(), ["oil_supply.ratio=1..3"], **asked, simulate=gappy, jobs=1)
+    (reason,) = found.reasons
+    assert reason == "failed at middle: pressure left the range (choose a smaller gap)"
+
+
 def test_a_path_that_does_nothing_lies_at_no_border():
     """The best of figures that differ by their errors alone is anywhere: here at the lower end."""
     found = optimize(scene(), ["oil_supply.ratio=1..3"], ["isothermal_efficiency"], simulate=idle, jobs=1)

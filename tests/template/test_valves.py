@@ -101,6 +101,18 @@ def test_a_reed_of_the_thickness_told_has_the_spring_of_its_scene(stated, side):
     assert one * area / (math.pi * (2.0 * stop) ** 2) == pytest.approx(stiffness, rel=0.02)  # texts have three digits
 
 
+@pytest.mark.parametrize("side", ["suction", "discharge"])
+def test_the_moving_mass_over_the_port_gives_the_thickness_of_a_reed_whatever_its_free_length(side):
+    """m/A = φ ρ h, φ a third of the reed's area over that of its port: 1.54 of the known one."""
+    share = valves.LENGTH * valves.WIDTH / 3.0 / (0.25 * math.pi * valves.PORT**2)
+    assert share == pytest.approx(1.54, abs=0.005)
+    scene = new_valves.scene_of({})
+    own = scene.effects["reed_valves"].parameters
+    area, mass = (getattr(own, f"{side}_{name}") for name in ("port_area", "mass"))
+    h = 1e-3 * new_valves.thickness(scene, side)
+    assert mass / area == pytest.approx(share * valves.DENSITY * h, rel=0.02)  # texts have three digits
+
+
 def test_a_small_valve_of_dense_gas_has_one_port_and_a_faster_reed():
     found = valves.valve(7e-4, 1.2, SPEED, pressure=90e5, k=1.25, sound=290.0)
     assert found.area == pytest.approx(0.25 * math.pi * found.bore**2)

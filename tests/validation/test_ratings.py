@@ -10,6 +10,7 @@ import screwsim
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration import read_fit
 from screwsim.study.validation import NotRun, read_table, sibling
+from screwsim.template import reciprocating
 
 ROOT = Path(__file__).parents[2]
 HSK, VARISPEED, CO2 = (ROOT / "validation" / name for name in ("hsk", "varispeed", "co2"))
@@ -85,6 +86,15 @@ def test_lambda_of_new_cylinders_differs_by_as_much_at_all_speeds():
         assert before[model] > 3.0 > spread
 
 
+def test_friction_of_new_cylinders_is_the_one_that_one_series_calls_for_on_two_fluids():
+    """Whose fluids tell share and pressure apart, so that it has no part in a verdict."""
+    fit, template = sibling(ROOT / "validation" / "energyplus" / "friction.py"), reciprocating
+    share, pressure, left = fit.fitted()
+    assert share == pytest.approx(template.FRICTION, abs=0.005)
+    assert pressure == pytest.approx(template.FRICTION_PRESSURE, abs=0.005)
+    assert left < 3.0
+
+
 def test_one_point_outside_fails_whatever_the_mean(rated, row, compare_of):
     compare = compare_of("hsk")
     one = rated.rating(row)
@@ -110,6 +120,14 @@ def test_a_rating_that_has_no_solution_is_told_and_not_left_out(rated, row, comp
 def test_losses_of_lambda_at_any_speed_and_by_the_time_of_a_turn_are_told_apart(compare_of):
     slow, full = (1.0 - 0.02 - 0.05 * 50.0 / frequency for frequency in (25.0, 50.0))
     assert compare_of("hsk").split(slow, full) == "2.0 + 5.0 points"
+
+
+def test_a_leak_of_one_flow_costs_each_size_the_same_flow_of_suction_gas(compare_of):
+    """7 m³/h less of 84 and of 192 m³/h at 2900 rpm, which turn 2950 at 50 Hz."""
+    lost_flow = compare_of("hsk").lost_flow
+    for displacement in (84.0, 192.0):
+        slow, full = (1.0 - 7.0 / (displacement * 2950.0 / 2900.0 * f / 50.0) for f in (25.0, 50.0))
+        assert lost_flow(slow, full, str(displacement)) == pytest.approx(7.0)
 
 
 def test_a_tried_machine_without_solution_is_told_and_counted_only_where_its_oil_may_be_too_hot(

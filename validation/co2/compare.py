@@ -24,10 +24,10 @@ ABOUT = (
     "another machine as much as one of the model. Conditions above 20 °C are left out: there the source's cubics "
     "cannot follow the enthalpy of the liquid. At 75 bar its nominal ratings have capacity and power; at higher "
     "pressures its cubic of the power alone is taken, which its nominal values confirm within 1 %. The last row of "
-    "efficiencies is a machine as `screwsim new reciprocating --fluid CO2` writes it. What it shows: the cylinder's "
-    "efficiency lies in or below the range of the nine at the lower pressure ratios, and its volumetric efficiency "
-    "falls less with the pressure ratio than theirs: they have more clearance, leaks or heat of the suction gas than "
-    "it assumes."
+    "efficiencies is a machine as `screwsim new reciprocating --fluid CO2` writes it, with friction fitted on R134a "
+    "and R507A (validation/energyplus). What it shows: the cylinder's efficiency lies in or below the range of the "
+    "nine at the lower pressure ratios, and its volumetric efficiency falls less with the pressure ratio than "
+    "theirs: they have more clearance, leaks or heat of the suction gas than it assumes."
 )
 FLUID, ZERO, SUPERHEAT = "CO2", 273.15, 10.0
 CONDITIONS = tuple((x, y) for x in (-20.0, -10.0, -5.0) for y in (10.0, 15.0, 20.0))  # °C

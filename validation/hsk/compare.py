@@ -38,35 +38,37 @@ ABOUT = (
     "rule that was chosen with these ratings at hand (by tolerances of ISO 286 below 160 mm, λ of the three smaller "
     "ones was 2 to 5 points lower); nothing else of them is adjusted. The tolerances are those of "
     "validation/templates. The fitted machine is the one of 192 m³/h, fitted to three conditions at 50 Hz "
-    "(machine.fit.yaml); all other conditions and all other speeds are predicted. Rows 'what was fitted' "
-    "put that into the other sizes, leaks in proportion to what is written there. The displacement is given at 2900 "
-    "rpm, and an induction motor turns up to 3.4 % faster at light load: with 2950 rpm at 50 Hz, λ of the source is "
-    "known to 1.7 %. Above 50 Hz the slip grows, which would raise that of the source. What it shows: the new machines "
-    "of 140 and 192 m³/h still leak too much, all three the more the slower they run, and the one of 535 too little, "
-    "so that no rule of sizes tells the maker's machines apart; their electrical efficiency is up to 9 points too high "
-    "at 50 Hz. Rows 'tried' say what other numbers would do. That oil seals the shafts by the law of the gaps (M300), "
-    "as the speeds of an air package call for (validation/cagi), was not fitted here: λ comes nearer to all machines "
-    "and curves than with a nozzle fitted to the same curves. Tighter shafts or gaps bring λ of 140 and 192 m³/h "
-    "and of the smaller machines beside the mean curves nearer, but that of 535 and of the largest away, and "
-    "every efficiency of these ratings with them; more friction or oil mends that here and spoils it beside the "
-    "curves, which are the same maker's. None is better on the machines that took no part, and gaps of 18 µm at 160 "
-    "mm would be tighter than any known (MYCOM sets 50 µm at the discharge end), so the numbers stay. "
-    "Refrigerant dissolved in the oil, which new machines leave out, is not what is missing. Flashing before suction "
-    "ends it would cost λ the same share at all speeds; beside what new machines lose at any speed, the ratings have "
-    "room for 3 points of that at 84 and 140 m³/h and for none at 192 (rows 'loss of λ'). What a kilogram of oil per "
-    "kilogram of gas brings costs far more (R134a in one ester oil), and oil that pressure alone drives would bring "
-    "twice as much for each kilogram at half the speed. With a seventh of the oil and clearances times 0.6 λ is "
-    "hardly nearer than with clearances times 0.8 alone, and the efficiency is off by 8 to 15 points. Flashing in "
-    "closed chambers it leaves λ as it is and takes 3 points of the efficiency, as more friction would: nearer to the "
-    "machines of 84 and 535 m³/h, farther from the others and from the curves. Uncooled oil is then hotter than 97 °C, "
-    "where its solubility is not known, at a fifth of these ratings. "
-    "Gas and oil that pass the blow-holes at one speed (M192) bring λ of 140 and 192 m³/h and beside the curves nearer "
-    "by up to a point, but the specific power of an air package at part load, which holds without that, falls 5 % "
-    "short (validation/cagi). "
-    "Fitted at one speed, the model has both within 4 and 5 points at all speeds, which three "
-    "things leave: λ of the source falls more over the pressure ratio; it falls again above 60 Hz, where ours still "
-    "rises (ports and passages that throttle more, or slip); and so does its efficiency (friction here is a share of "
-    "the power, whatever the speed)."
+    "(machine.fit.yaml); all other conditions and all other speeds are predicted. Rows 'what was fitted' put that "
+    "into the other sizes, leaks in proportion to what is written there. The displacement is given at 2900 rpm, and "
+    "an induction motor turns up to 3.4 % faster at light load: with 2950 rpm at 50 Hz, λ of the source is known to "
+    "1.7 %. Above 50 Hz the slip grows, which would raise that of the source. What it shows: the new machines of 140 "
+    "and 192 m³/h still leak too much, all three the more the slower they run, and the one of 535 too little, so "
+    "that no rule of sizes tells the maker's machines apart; their electrical efficiency is up to 9 points too high "
+    "at 50 Hz. What λ of the source loses from 50 to 25 Hz is one flow for all three sizes and at all pressure "
+    "ratios up to 4.2: 7 to 8 m³/h of suction gas (rows 'suction gas lost'). A leak grows with the length of its "
+    "gap, whatever the width of that does, and in kilograms with the discharge pressure, as ours does. So it reads "
+    "as a rule of the maker's software for the series, and nothing was fitted to how λ falls with the speed. Rows "
+    "'tried' say what other numbers would do. That oil seals the shafts by the law of the gaps (M300), as the speeds "
+    "of an air package call for (validation/cagi), was not fitted here: λ comes nearer to all machines and curves "
+    "than with a nozzle fitted to the same curves. Tighter shafts or gaps bring λ of 140 and 192 m³/h and of the "
+    "smaller machines beside the mean curves nearer, but that of 535 and of the largest away, and every efficiency "
+    "of these ratings with them; more friction or oil mends that here and spoils it beside the curves, which are the "
+    "same maker's. None is better on the machines that took no part, and gaps of 18 µm at 160 mm would be tighter "
+    "than any known (MYCOM sets 50 µm at the discharge end), so the numbers stay. Refrigerant dissolved in the oil, "
+    "which new machines leave out, is not what is missing. Flashing before suction ends it would cost λ the same "
+    "share at all speeds; beside what new machines lose at any speed, the ratings have room for 3 points of that at "
+    "84 and 140 m³/h and for none at 192 (rows 'loss of λ'). What a kilogram of oil per kilogram of gas brings costs "
+    "far more (R134a in one ester oil), and oil that pressure alone drives would bring twice as much for each "
+    "kilogram at half the speed. With a seventh of the oil and clearances times 0.6 λ is hardly nearer than with "
+    "clearances times 0.8 alone, and the efficiency is off by 8 to 15 points. Flashing in closed chambers it leaves "
+    "λ as it is and takes 3 points of the efficiency, as more friction would: nearer to the machines of 84 and 535 "
+    "m³/h, farther from the others and from the curves. Uncooled oil is then hotter than 97 °C, where its solubility "
+    "is not known, at a fifth of these ratings. Gas and oil that pass the blow-holes at one speed (M192) bring λ of "
+    "140 and 192 m³/h and beside the curves nearer by up to a point, but the specific power of an air package at "
+    "part load, which holds without that, falls 5 % short (validation/cagi). Fitted at one speed, the model has both "
+    "within 4 and 5 points at all speeds, which three things leave: λ of the source falls more over the pressure "
+    "ratio; it falls again above 60 Hz, where ours still rises (ports and passages that throttle more, or slip); and "
+    "so does its efficiency (friction here is a share of the power, whatever the speed)."
 )
 FIGURES = {"volumetric_efficiency": "λ", "electrical_isentropic_efficiency": "electrical η_s"}
 NEW = {"volumetric_efficiency": 0.04, "electrical_isentropic_efficiency": 0.06}
@@ -197,6 +199,26 @@ def losses(name: str, points: Sequence[Found], condition: str = AT) -> Row:
     return Row(what, ours, theirs, "estimate", "no verdict", note="from λ at 25 and 50 Hz")
 
 
+def lost_flow(slow: float, full: float, displacement: str) -> float:
+    """Return the flow of suction gas [m³/h] lost at any speed of a machine of a displacement [m³/h]: b of `split`."""
+    return (full - slow) * float(displacement) * rated.NOMINAL / rated.RATED
+
+
+def lost_flows(name: str, points: Sequence[Found]) -> Row:
+    """Return that flow over all conditions that are rated at 25 and at 50 Hz."""
+    by_condition: dict[str, dict[float, Found]] = {}
+    for each in points:
+        by_condition.setdefault(each.rating.name, {})[each.rating.frequency] = each
+    pairs = [(at[SLOW], at[FULL]) for at in by_condition.values() if SLOW in at and FULL in at]
+    flow = pairs[0][0].rating.displacement
+    ours = [lost_flow(slow.ours[LAMBDA], full.ours[LAMBDA], flow) for slow, full in pairs]
+    theirs = [lost_flow(slow.theirs(LAMBDA), full.theirs(LAMBDA), flow) for slow, full in pairs]
+    told = [f"{min(some):.1f} to {max(some):.1f} m³/h" for some in (ours, theirs)]
+    ratios = [slow.rating.ratio for slow, _ in pairs]
+    note = f"from λ at 25 and 50 Hz; {len(pairs)} conditions, pressure ratios of {min(ratios):.1f} to {max(ratios):.1f}"
+    return Row(f"{name}: suction gas lost at any speed", *told, "estimate", "no verdict", note=note)
+
+
 def fit_rows(here: Path, points: Sequence[Found], fitted: Sequence[str], condition: str = AT) -> Iterator[Row]:
     """Yield the points of the fit, what it predicts elsewhere at 50 Hz, below and above, and its parameters."""
     mine = [each for each in points if each.rating.frequency == FULL]
@@ -244,7 +266,7 @@ def compare(here: Path) -> Comparison:
         rows += farthest(f"{name}, {FULL:g} Hz", [e for e in points if e.rating.frequency == FULL], NEW, TAKEN)
         if any(one.frequency == SLOW for one in ratings):
             rows += changes(name, points)
-            rows.append(losses(name, points))
+            rows += [losses(name, points), lost_flows(name, points)]
         if model == rated.FITTED_MODEL:
             before = points
         else:

@@ -27,12 +27,16 @@ NOT_SIMULATED = "not simulated, because another operating point has no result"
 
 
 class Evaluation(NamedTuple):
-    """Evaluation of a set of values: each aim and its error [SI], the excess over each bound; or why it failed."""
+    """Evaluation of a set of values: each aim and its error [SI], the excess over each bound; or why it failed.
+
+    Of several operating points `at` is the one that failed.
+    """
 
     aims: tuple[float, ...]
     errors: tuple[float, ...]
     excess: tuple[float, ...]
     failed: str = ""
+    at: str = ""
 
     @property
     def feasible(self) -> bool:
@@ -133,9 +137,10 @@ def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
     bad = [each for each in rows if table.status[each] != STATUSES.index("ok")]
     nothing = (math.nan,) * len(asked.aims)
     if bad:
-        texts = table.texts["message"]
-        why = f"{STATUSES[table.status[bad[0]]].replace('_', ' ')}: {texts.words[texts.number[bad[0]]]}"
-        return Evaluation(nothing, nothing, (math.nan,) * len(asked.bounds), why)
+        texts, at = table.texts["message"], asked.points.points[bad[0] - row].name
+        status = STATUSES[table.status[bad[0]]].replace("_", " ") + (f" at {at}" if at else "")
+        why = f"{status}: {texts.words[texts.number[bad[0]]]}"
+        return Evaluation(nothing, nothing, (math.nan,) * len(asked.bounds), why, at)
     found = {name: table.column("performance", name)[rows] for name in asked.figures}
     wide = {name: np.array([error_of(asked.scene, table, each, name) for each in rows]) for name in asked.figures}
     pairs = [weighted_mean(asked.points, aim.figure, found[aim.figure], wide[aim.figure]) for aim in asked.aims]
