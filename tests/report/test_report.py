@@ -193,6 +193,19 @@ def test_a_design_is_drawn_as_points_over_each_quantity(tmp_path, simulate):
         assert all(box.x0 >= 0 and box.y0 >= 0 and box.x1 <= width and box.y1 <= height for box in boxes)
 
 
+def test_points_of_a_design_tell_the_fluids_apart(tmp_path):
+    """Cases that vary together with the fluid, or for each fluid, have its name in the legend and its colour."""
+    axes = "\nsweep:\n  zip:\n    - operation.speed: [1000 rpm, 2000 rpm]\n      oil_supply.ratio: [1, 2]\n"
+    path = file(tmp_path / "x.h5", SCENE.partition("\nsweep:")[0] + axes + "  gas.fluid: [Air, Nitrogen]\n", ok)
+    (figure,) = drawn(path).values()
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["Air", "Nitrogen"]
+    for place in figure.axes:
+        found = {line.get_label(): line for line in place.get_lines() if len(line.get_xdata())}
+        assert len(found["Air"].get_xdata()) == len(found["Nitrogen"].get_xdata()) == 2
+        assert found["Air"].get_color() != found["Nitrogen"].get_color()
+
+
 def test_no_text_leaves_the_canvas(figures):
     for name, figure in figures[1].items():
         width, height = figure.canvas.get_width_height()

@@ -73,6 +73,9 @@ def test_what_is_no_profile_is_told_in_one_line(tmp_path, text, says):
 def test_columns_may_come_in_any_order_and_unit(tmp_path):
     (tmp_path / "loads.csv").write_text("# of a week\nhours, flow [L/s]\n10, 100\n")
     assert read_profile(str(tmp_path / "loads.csv")) == (Demand(pytest.approx(0.1), 10.0),)
+    for unit in ("acfm", "cfm", "ft^3/min"):  # as sheets in US units print flows
+        (tmp_path / "loads.csv").write_text(f"flow [{unit}], hours\n658.4, 10\n")
+        assert read_profile(str(tmp_path / "loads.csv"))[0].flow == pytest.approx(658.4 * 0.3048**3 / 60.0)
 
 
 def test_no_other_machine_has_a_profile(pytestconfig):

@@ -17,6 +17,7 @@ from screwsim.results.warning_kinds import cases_with_warnings
 
 _MARGIN = 0.08  # of the span of the values, on either side
 _MOST = 5000  # most points drawn in a panel
+_MARKERS = (".", "s", "D", "v")  # of words beyond the number of colours
 
 
 def plans(results: Results) -> Iterator[Plan]:
@@ -89,15 +90,31 @@ def _over_each(results: Results, shown: list[tuple[Axis, np.ndarray]], name: str
     drawn = kept[:: 1 + len(kept) // _MOST]
     open_ = drawn[status[drawn] != "ok"]
     closed = drawn[status[drawn] == "ok"]
+    words = _words(results)
     figure, places = panels(len(shown), 18.0, 52.0, sharey=True)
     for axes, (axis, values) in zip(places, shown, strict=True):
         x = shown_axis(axis).of(values.reshape(-1))
         marks = {"linestyle": "", "markersize": 4.0}
-        axes.plot(x[closed], y[closed], marker=".", color=COLOURS[1], **marks)
+        for number, word in enumerate(dict.fromkeys(words)):
+            own = closed[words[closed] == word]
+            colour, marker = COLOURS[(number + 1) % len(COLOURS)], _MARKERS[number // len(COLOURS) % len(_MARKERS)]
+            axes.plot(x[own], y[own], marker=marker, color=colour, label=word, **marks)
         axes.plot(x[open_], y[open_], marker="x", color=COLOURS[2], markeredgewidth=0.6, **marks)
         label_axes(axes, shown_axis(axis).label, how.label, [x[drawn]], room=0.04)
+    if words[0]:
+        figure.legend(*places[0].get_legend_handles_labels(), loc="outside upper right", ncols=3)
     thinned = f"{len(drawn)} of {len(kept)} points drawn" if len(drawn) < len(kept) else ""
     warned = int(np.count_nonzero(cases_with_warnings(results).reshape(-1)[kept]))
     told = f"{warned} of {len(kept)} cases with warnings" if warned else ""
-    note(figure, case_remarks(len(open_), 0)[0], told, missing_words(len(y), len(kept)), thinned)
+    parts = case_remarks(len(open_), 0)[0], told, missing_words(len(y), len(kept)), thinned
+    note(figure, *parts, share=0.5 if words[0] else 1.0)
     return figure
+
+
+def _words(results: Results) -> np.ndarray:
+    """Return the word of each case on the first axis of words, such as fluids; empty without one."""
+    inner = (each for axis in results.axis_list for each in axis.joined or (axis,))
+    paths = (axis.path for axis in inner if not is_numeric(axis) and len(set(axis.values.tolist())) > 1)
+    path = next(paths, None)
+    every = np.full(results.shape, "") if path is None else results.along(path)
+    return np.array([str(word) for word in every.reshape(-1)])

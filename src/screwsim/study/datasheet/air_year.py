@@ -24,6 +24,7 @@ POWER, OPTION = "package_input_power", "--profile"
 MINUTE, HOUR, KWH, WHOLE = 60.0, 3600.0, 3.6e6, 8760.0  # s, s, J, h
 DEMAND_TOLERANCE = 1e-3  # of full flow: excess of a demand that still counts as met
 _FLOW = re.compile(r"flow\s*\[([^\]]+)\]")
+_AS_ON_SHEETS = dict.fromkeys(("acfm", "cfm"), "ft^3/min")
 _EXAMPLE = "a first line 'flow [m^3/min], hours', then e.g. '6.5, 2000'"
 
 
@@ -64,11 +65,12 @@ def read_profile(name: str) -> tuple[Demand, ...]:
         raise UsageError(f"{where}: is not a table of flows (with unit) and hours (write {_EXAMPLE})")
     match = heads[flow]
     assert match is not None
+    unit = _AS_ON_SHEETS.get(match[1], match[1])
     found = []
     for row in sheet.rows:
         at, hours = f"{where} line {row.line}", row.cells[1 - flow]
         with refused_at(f"{at}: flow"):
-            asked = parse_quantity(KINDS["volume_flow"], f"{row.cells[flow]} {match[1]}")
+            asked = parse_quantity(KINDS["volume_flow"], f"{row.cells[flow]} {unit}")
         if not re.fullmatch(NUMBER, hours) or not 0.0 <= float(hours) <= WHOLE:
             raise UsageError(f"{at}: hours {hours!r} is not a number from 0 to {WHOLE:g} (write e.g. 2000)")
         if asked < 0.0:

@@ -4,8 +4,9 @@ Sources: AHRI 551/591 (SI) and 550/590 for IPLV: weights 0.01, 0.42, 0.45, 0.12.
 for ESEER: 3, 33, 41, 23 %. EN 14825 for SEER (space cooling, water at a fixed 7 °C, average climate), SEPR (process
 cooling, water at 7 °C; Regulation (EU) 2016/2281 has the same) and SCOP (space heating, average climate, water of 35 or
 55 °C at −10 °C outdoors, colder in milder weather). Weights of these three follow from the hours at each outdoor
-temperature and the load there, between points COPs are interpolated; hours times load of SCOP add up to the 2066 h at full load of Regulation (EU) 811/2013.
-All of them rate a whole chiller or heat pump.
+temperature and the load there, and COPs are interpolated between the points; hours times load of SCOP add up to the
+2066 h at full load of Regulation (EU) 811/2013. All of them rate a whole chiller or heat
+pump.
 """
 
 from collections.abc import Mapping, Sequence
@@ -59,8 +60,9 @@ class RatingPoint(NamedTuple):
 class SeasonalStandard(NamedTuple):
     """A seasonal figure: its points, full load first; with `energy` weights are shares of the energy, else of figures.
 
-    `bins` has a row for each outdoor temperature: its share of the energy, divided between the points. Of `heating` loads and energies are those of heating. The media at both sides, the `conditions` and what the figure
-    is `without` are in words.
+    `bins` has a row for each outdoor temperature: its share of the energy, divided between the points. Of `heating`
+    loads and energies are those of heating. The media at both sides, the `conditions` and what the figure is `without`
+    are in words.
     """
 
     name: str
