@@ -168,12 +168,12 @@ def _solved(
     scene = problem.scene
     effects, states = tuple(scene.effects), problem.composition.states
     reach_station()
-    refused = _why_no_figures(problem, accurate)
+    refused = _why_no_figures(accurate)
     if refused:
         numerics, none = _numerics(machinery, accurate), Performance({}, problem.called)
         return Result(FAILED, refused, scene_warnings(scene), effects, states, none, numerics=numerics)
     reach_station()
-    accurate, balance, book = _closed_in_entropy(problem, machinery, accurate, trace)
+    accurate, balance, book = _closed_in_entropy(machinery, accurate, trace)
     reach_station()
     if course is not None:
         record_in_course(course, accurate.evaluation, accurate.cycle, accurate.criteria, accurate.tightness)
@@ -203,16 +203,16 @@ def _solved(
         *stability.warnings(problem, machinery, cycle, accurate.criteria.rtol),
         *cautions.warnings(of),
         *cautions.inaccurate(scene.numerics.accuracy, errors),
-        *(second_cycle.warnings(of, machinery, accurate) if status == OK else ()),
+        *(second_cycle.warnings(machinery, accurate) if status == OK else ()),
     )
     reach_station()
     figures = (found, balance, errors, numerics, notes, over_angle, kept)
     return Result(status, message, warnings, effects, states, *figures, impossible=impossible)
 
 
-def _why_no_figures(problem: Problem, accurate: Accurate) -> str:
+def _why_no_figures(accurate: Accurate) -> str:
     """Return why a cycle has no figures; empty where it has."""
-    cycle, life = accurate.cycle, accurate.evaluation.life
+    cycle, problem, life = accurate.cycle, accurate.evaluation.problem, accurate.evaluation.life
     found = own_effects.impossible(problem, cycle)
     if not found and cycle.failed:
         found = verdict.failure(problem, cycle)
@@ -224,13 +224,13 @@ def _why_no_figures(problem: Problem, accurate: Accurate) -> str:
 
 
 def _closed_in_entropy(
-    problem: Problem, machinery: Machinery, accurate: Accurate, trace: Trace
+    machinery: Machinery, accurate: Accurate, trace: Trace
 ) -> tuple[Accurate, Figures, Ledger | None]:
     """Solve more tightly where the entropy balance is open; it is checked only here because it needs the ledger."""
     balance, book = _balances_and_ledger(accurate, trace)
     for _ in range(TRIES):
         closed = (balance["entropy"] or 0.0) <= balance["bound"]
-        if not accurate.cycle.closed or closed or problem.scene.numerics.rtol is not None:
+        if not accurate.cycle.closed or closed or accurate.evaluation.problem.scene.numerics.rtol is not None:
             break
         before, accurate = accurate, solve_tighter(machinery, accurate)
         if accurate.cycle is before.cycle:  # no tighter cycle closed, nor would it at a further try

@@ -85,6 +85,18 @@ def test_a_saturation_temperature_changes_what_flows_back_as_two_runs_say(accura
     assert found == pytest.approx((high - low) / 0.6, rel=SENT_BACK)
 
 
+def test_what_oil_holds_responds_to_a_separator_as_warm_as_the_supply():
+    """As the supply passes the separator's temperature its table of flashes goes on smoothly; it had a row more, and
+    the efficiency a slope of +1.2 points per kelvin in place of -0.06."""
+    condensing, figure = "operation.condensing_temperature", "isentropic_efficiency"
+    scene = screwsim.load(CONFIGS / "r134a" / "separator.yaml", ["effects.separator.cooler=null"])
+    found, T = sensitivities(scene, [condensing], [figure]), value_at(scene, condensing)
+    tight = with_values(scene, {"numerics.accuracy": 1e-6})
+    low, high = (screwsim.simulate(with_values(tight, {condensing: T + by})).performance[figure] for by in (-0.2, 0.2))
+    assert found.method[condensing] == "exact"
+    assert found.derivatives[figure][condensing] == pytest.approx((high - low) / 0.4, rel=WARMED)
+
+
 @pytest.mark.parametrize(
     ("file", "path"),
     [("paper/point.yaml", "effects.tip_leakage.gap"), ("air/fixed_speed_7.yaml", "machine.profile.wrap_angle")],
@@ -173,7 +185,7 @@ def test_the_cycle_of_settled_surroundings_begins_from_slices_and_states_of_the_
 
 
 def asked_of_surroundings(cycle):
-    return np.abs(implied_changes(unshifted_evaluation(cycle, Directions(cycle)))).max()
+    return np.abs(implied_changes(unshifted_evaluation(Directions(cycle)))).max()
 
 
 def test_differences_that_stand_in_go_over_no_more_of_an_angle_than_where_figures_are_straight(monkeypatch):

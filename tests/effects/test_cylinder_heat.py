@@ -80,3 +80,16 @@ def test_a_gas_without_transport_properties_at_a_point_fails_that_point_alone():
     assert [result.status for result in results] == ["failed", "ok"]
     told = r"effects\.cylinder_heat: CoolProp has no transport properties of Propylene at .* leave out effects\.cyl"
     assert re.match(told, results[0].message), results[0].message
+
+
+def test_walls_warmed_from_outside_the_machine_are_told():
+    """Warm suction gas and a low lift: the machine gives off more than it takes in, by heat that nothing supplies."""
+    made = loads(new_scene("reciprocating", request_of(fluid="CO2", condition="-10/35 degC")))
+    warm = {"operation.evaporating_temperature": "0 degC", "operation.gas_cooler.pressure": "76 bar"}
+    found, own = simulate(made.with_(warm), trace=False), simulate(made, trace=False)
+    p = found.performance
+    assert p.heating_capacity - p.cooling_capacity > 1.05 * p.electrical_power
+    (told,) = found.warnings
+    share = (p.wall_heat - p.mechanical_power) / p.shaft_power
+    assert f"{share:.1%} of the shaft power comes in from outside the machine (state colder walls in effects." in told
+    assert own.warnings == ()

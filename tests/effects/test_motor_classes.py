@@ -80,6 +80,16 @@ def test_a_class_is_the_efficiency_that_it_states_whatever_the_rated_power_becom
     assert motor.Parameters(rated_power=75e3).efficiency == 0.95
 
 
+def test_a_default_efficiency_stays_one_in_the_text_of_a_scene_and_a_class_may_replace_it():
+    scene = screwsim.load(POINT, ["effects.motor={rated_power: 15 kW}"])
+    again = screwsim.loads(scene.text, folder=scene.folder)
+    told = [screwsim.simulate(each, trace=False).warnings for each in (scene, again)]
+    assert "constant_share: 0.4" in scene.text and "effects.motor.efficiency is not stated" in " ".join(told[0])
+    assert told[0] == told[1]
+    of_class = scene.with_({"effects.motor.efficiency_class": "IE3"})
+    assert of_class.effects["motor"].parameters.efficiency == class_efficiency("IE3", 4, 15e3)
+
+
 @each_row(
     ("stated", "words"),
     [

@@ -99,7 +99,7 @@ def test_an_input_that_is_none_is_told(given, told):
 
 def test_where_and_why_nodes_did_not_close_is_told():
     table = made(1e-3)
-    nodes = [one.at(u) for one, u in zip(table.inputs, table.grid.nodes, strict=True)]
+    nodes = table.nodes
     open_ = [x[index] for x, index in zip(nodes, np.nonzero(~table.grid.sound), strict=True)]
     speeds, pressures = (f"{x.min():.6g} … {x.max():.6g}" for x in open_)
     assert table.where_open() == f"speed {speeds} rad/s, discharge_pressure {pressures} Pa"

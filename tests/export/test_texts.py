@@ -252,7 +252,7 @@ def test_a_table_has_a_row_a_node(swept_map):
 def test_a_table_tells_how_far_linear_interpolation_is_from_its_cubic(table):
     """Of the largest it must be at least what it is at the middle of any cell, by the mean of the four corners."""
     said = float(re.search(r"differs from the cubic by up to ([0-9.e-]+)", csv_table(table))[1])
-    x, y = (one.at(u) for one, u in zip(table.inputs, table.grid.nodes, strict=True))
+    x, y = table.nodes
     values = table.grid.data[0, 0]
     means = 0.25 * (values[1:, 1:] + values[:-1, 1:] + values[1:, :-1] + values[:-1, :-1])
     middle = np.array([(0.5 * (a + b), 0.5 * (c + d)) for a, b in pairwise(x) for c, d in pairwise(y)])

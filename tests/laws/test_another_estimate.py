@@ -17,6 +17,7 @@ from screwsim.outputs import Figures
 from screwsim.simulate import simulate
 from screwsim.solve.estimate import ESTIMATES, WHOLE
 from screwsim.solve.estimate_protocol import NO_SOLUTIONS, FinerSolutions
+from screwsim.solve.swings import Solution, solution_of
 
 NAME = "from afar"
 TIGHTER = 0.05
@@ -28,7 +29,7 @@ def from_afar(asked):
     machinery = lease_for(asked.problem)
     try:
         cycle = close(ClosingTask(asked.problem, machinery, asked.criteria.tighter(TIGHTER)))
-        found = evaluate(asked.problem, cycle).figures
+        found = solution_of(evaluate(asked.problem, cycle))
     finally:
         leases.give_back(machinery)
     return FinerSolutions([found]) if cycle.status == "ok" else NO_SOLUTIONS
@@ -64,9 +65,9 @@ def test_a_cycle_is_closed_again_where_another_estimate_finds_it_coarse(register
 
     def coarse_at_first(of):
         asked.append(of.cycle.rtol)
-        finer = from_afar(of)
-        power = finer.figures[0]["shaft_power"] * (1.001 if len(asked) == 1 else 1.0)
-        return FinerSolutions([Figures(finer.figures[0] | {"shaft_power": power})])
+        figures, curves = from_afar(of).solutions[0]
+        power = figures["shaft_power"] * (1.001 if len(asked) == 1 else 1.0)
+        return FinerSolutions([Solution(Figures(figures | {"shaft_power": power}), curves)])
 
     monkeypatch.setitem(ESTIMATES, NAME, coarse_at_first)
     result = simulate(asking(NAME))

@@ -199,6 +199,32 @@ def test_a_search_goes_back_from_a_state_without_net_flow_where_nothing_is_impli
     assert found.performance.economizer_draw_ratio == pytest.approx(1.0, abs=ACCURACY)
 
 
+def test_a_search_begins_colder_where_the_first_economizer_leaves_no_room_for_suction_gas():
+    """At part load the first guess fills the chambers: nothing was implied, and the search ended there."""
+    asked = request_of(
+        fluid="Ammonia", displacement="930 m^3/h", condition="2/35 degC, 5 K", economizer=True, slide=True
+    )
+    found = simulate(
+        loads(new_scene("refrigeration", asked)).with_({"machine.slide_valve.position": "0.9"}), trace=False
+    )
+    assert found.status == "ok" and found.performance.volumetric_efficiency > 0.2
+    assert any("the lowest, it draws" in each for each in found.warnings)
+
+
+def test_a_number_held_at_the_end_of_its_range_does_not_keep_the_oil_from_its_temperature():
+    """Steps of the oil's temperature moved it off its end, and the step back moved the oil, without end."""
+    asked = request_of(
+        fluid="Ammonia", displacement="930 m^3/h", condition="2/35 degC, 5 K", economizer=True, slide=True
+    )
+    mild = {"operation.evaporating_temperature": "10 degC", "operation.condensing_temperature": "25 degC"}
+    found = simulate(loads(new_scene("refrigeration", asked)).with_(mild), trace=False)
+    assert found.status == "ok" and found.performance.economizer_draw_ratio < 0.0
+    assert any(
+        each.endswith("(open it earlier, or leave it out here: the chambers' pressure is above its own)")
+        for each in found.warnings
+    )
+
+
 def test_oil_that_cannot_keep_the_temperature_is_warned_of():
     hot = run({**OIL, "oil_supply.discharge_temperature": "600 K"})
     told = [

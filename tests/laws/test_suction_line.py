@@ -13,7 +13,7 @@ from screwsim.cycle.feedback import suction_line_imbalance
 from screwsim.cycle.problem import problem_of
 from screwsim.cycle.suction_line import Stream, held_of, image, mixed, values
 from screwsim.effects.base import OilSolution
-from screwsim.effects.refrigerant_solubility import content
+from screwsim.fluid.solubility_laws import ESTER
 from screwsim.inputs.faults import SceneError
 from screwsim.model.slots import ENTHALPY, R_DISCHARGE, R_SUCTION, SUCTION_IN
 from screwsim.outputs import ledger_entries
@@ -200,7 +200,7 @@ def test_equilibrium_in_the_line_is_that_of_the_solubility_at_the_temperature_of
     assert isinstance(solution, OilSolution)
     for p in (1.5e5, 4e5, 10e5):
         entropy = gas.entropy(p, 325.0) - (gas.enthalpy(p, 325.0) - solution.enthalpy) / 325.0
-        assert held_of(solution, entropy) == pytest.approx(content(p, 325.0), rel=2e-4)  # M195; rows of a table between
+        assert held_of(solution, entropy) == pytest.approx(ESTER.content(p, 325.0), rel=2e-4)  # M195
 
 
 def test_a_line_from_which_nothing_is_sucked_holds_what_comes_back():

@@ -144,6 +144,9 @@ def test_a_sweep_of_which_all_cases_failed_has_a_page(tmp_path):
 
     made = text_of(file(tmp_path / "x.h5", PUMP, failed), tmp_path)
     assert "100 failed" in made and "pressure left the range" in made and "No case closed" in made
+    shown = re.findall(r'<section id="(\w+)"', made)
+    assert shown == ["checks", "scene", "provenance"]  # no empty figures and menus
+    assert re.findall(r'<a href="#(\w+)"', made)[-3:] == shown and "output.keep" not in made
 
 
 def test_cases_that_failed_are_counted(tmp_path):

@@ -175,6 +175,15 @@ def test_gauge_pressures_are_over_the_standard_atmosphere_or_what_is_stated():
     assert screwsim.loads(scene.text).operation.discharge.pressure == scene.operation.discharge.pressure
 
 
+@pytest.mark.parametrize(
+    "stated", ["1 baar", "1", "1 bar(g)", "0.1 bar(g)", "-1 bar", "99 bar", "[1 bar]", "1 bar ± 1 %"]
+)
+def test_of_a_badly_stated_ambient_pressure_no_gauge_pressure_complains(stated):
+    gauge = ["operation.suction.pressure=-0.01 bar(g)", "operation.discharge.pressure=7 bar(g)"]
+    (line,) = refusals(PAPER, *gauge, f"operation.ambient_pressure={stated}")
+    assert line.startswith("operation.ambient_pressure: ")
+
+
 def test_gauge_pressures_follow_an_ambient_pressure_that_python_changes():
     """As with --set: they are read anew from what was written, also after another change."""
     at, p_d = "operation.ambient_pressure", "operation.discharge.pressure"

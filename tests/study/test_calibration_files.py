@@ -211,6 +211,16 @@ def test_an_uncertainty_without_unit_beside_percent_is_refused(tmp_path):
         assert fit.points[0].measured["volumetric_efficiency"] == pytest.approx((0.92, size))
 
 
+def test_an_uncertainty_of_more_than_half_without_unit_is_meant_in_percent(tmp_path):
+    """Nothing between 0 and 1 has a larger standard deviation than 0.5; [1] states a share."""
+    head = "operation.speed [rpm],volumetric_efficiency,volumetric_efficiency_uncertainty{}\n"
+    own, rows = "volumetric_efficiency_uncertainty", "1000,0.92,1\n2000,0.9,0.01\n3000,0.89,0.01\n"
+    told = f"1 is 100 % (write the unit behind the column's name: {own} [%])"
+    assert faults(tmp_path, points=head.format("") + rows) == [f"points.csv:2:11: volumetric_efficiency: {told}"]
+    fit = read_fit(write_fit(tmp_path, points=head.format(" [1]") + rows))
+    assert fit.points[0].measured["volumetric_efficiency"] == pytest.approx((0.92, 1.0))
+
+
 def test_too_few_data_are_told(tmp_path):
     points = "\n".join(POINTS.splitlines()[:3]) + "\n"
     (line,) = faults(tmp_path, points=points)

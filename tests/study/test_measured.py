@@ -106,6 +106,7 @@ def test_a_gauge_reads_over_the_scenes_ambient_pressure(scene):
         (["peak_pressure=7 barg ± 1 %"], "a percentage of a gauge pressure depends on its zero (write e.g. ± 0.1 bar)"),
         (["shaft_power=12 kW", "shaft_power=13 kW"], "is given twice"),
         (["shaft_power=12 kW ± 1 kW (k=0)"], "k=0 is not a coverage factor (write k=1"),
+        (["volumetric_efficiency=0.92 ± 1"], "volumetric_efficiency 1 is 100 % (write 1 %, or 0.01)"),
         (["shaft_power=12 kW ± (k=1)"], "is not FIGURE=VALUE ± UNCERTAINTY"),
     ],
 )

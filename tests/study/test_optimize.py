@@ -124,6 +124,27 @@ def test_at_a_border_it_is_said_whether_there_is_anything_beyond(high, told):
     assert reach.border == "upper border" and reach.beyond.startswith(told) and bool(reach.beyond) == bool(told)
 
 
+def test_a_best_beside_values_that_fail_says_why(capsys):
+    """`gappy` has no solution from a ratio of 5 on, and its best at 6000 rpm is at 6.28."""
+    fast = with_values(scene(), {"operation.speed": 6.0 * RPM * 1000.0})
+    found = optimize(fast, ["oil_supply.ratio=0.5..8"], ["isothermal_efficiency"], simulate=gappy, jobs=1)
+    reach = found.reach["oil_supply.ratio"]
+    assert found.values["oil_supply.ratio"] == pytest.approx(5.0, rel=1e-2) and not reach.border
+    print_optimize(found)
+    told = "oil_supply.ratio: at the edge of the values that have a solution: failed: pressure left the range"
+    assert told in " ".join(capsys.readouterr().out.split())
+
+
+def test_the_operating_point_that_fails_is_told(tmp_path):
+    """`gappy` fails at 2000 rpm."""
+    file = tmp_path / "points.csv"
+    file.write_text("name,operation.speed [rpm]\nslow,1500\nmiddle,2000\nfast,3000\n")
+    asked = {"maximize": ["isothermal_efficiency"], "over": str(file), "evaluations": 5}
+    found = optimize(scene(), ["oil_supply.ratio=1..3"], **asked, simulate=gappy, jobs=1)
+    (reason,) = found.reasons
+    assert reason == "failed at middle: pressure left the range (choose a smaller gap)"
+
+
 def test_a_path_that_does_nothing_lies_at_no_border():
     """The best of figures that differ by their errors alone is anywhere: here at the lower end."""
     found = optimize(scene(), ["oil_supply.ratio=1..3"], ["isothermal_efficiency"], simulate=idle, jobs=1)
@@ -367,10 +388,34 @@ def test_a_seasonal_figure_of_one_cop_is_that_cop(chilled):
     four = np.full(4, 5.0)
     assert weighted_mean(points, "cop", four, 0.01 * four) == (pytest.approx(5.0), pytest.approx(0.05))
     # cooling over work: half the cooling at twice the COP takes a third of the work
-    halves = replace(points, points=tuple(replace(each, weight=0.5 * (i < 2)) for i, each in enumerate(points.points)))
+    halves = _first_two_halved(points)
     for cop in ("cop", "electrical_cop"):
         assert weighted_mean(halves, cop, np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(8.0 / 3.0)
     assert weighted_mean(halves, "shaft_power", np.array([2.0, 4.0, 9.0, 9.0]), np.zeros(4))[0] == pytest.approx(3.0)
+
+
+def _first_two_halved(points):
+    """Return points of a file, of which the first two have half of the energy each."""
+    return replace(
+        points, bins=(), points=tuple(replace(each, weight=0.5 * (i < 2)) for i, each in enumerate(points.points))
+    )
+
+
+@pytest.mark.parametrize(("season", "name"), [("SEER", "SEER"), ("SEPR", "SEPR-water"), ("SCOP", "SCOP-55")])
+def test_a_standard_interpolates_the_cop_at_each_outdoor_temperature(season, name, chilled):
+    """EN 14825: the year's heat over its work, at COPs linear between the rating points, constant beyond them."""
+    weather = {"SEER": (20.0, 25.0, 30.0, 35.0), "SEPR": (5.0, 15.0, 25.0, 35.0), "SCOP": HEATING_WEATHER}[season]
+    rising = np.linspace(2.0, 9.0, len(weather))
+    heat = {T: hours * load_at(season, T) for T, hours in BIN_HOURS[season].items()}
+    work = sum(each / np.interp(T, weather, rising) for T, each in heat.items())
+    kelvin = {"operation.evaporating_temperature": 258.15, "operation.condensing_temperature": 331.15}
+    points = read_points(with_values(chilled, kelvin), name)
+    cops = rising if season == "SCOP" else rising[::-1]  # points of cooling begin with the hottest day
+    found, error = weighted_mean(points, points.cops[0], cops, 0.01 * cops)
+    assert found == pytest.approx(sum(heat.values()) / work)
+    assert error == pytest.approx(0.01 * found)
+    of_file, _ = weighted_mean(replace(points, bins=()), points.cops[0], cops, 0.01 * cops)
+    assert found > 1.005 * of_file
 
 
 def test_standards_become_a_compressors_temperatures_by_the_scenes_own(chilled):
@@ -400,7 +445,7 @@ def test_a_heat_pump_meets_the_temperatures_of_scop_by_its_own(chilled):
 
 def test_over_shares_of_the_heat_a_heating_cop_is_heat_over_work(chilled):
     points = read_points(with_values(chilled, {"operation.evaporating_temperature": 258.15}), "SCOP-35")
-    halves = replace(points, points=tuple(replace(each, weight=0.5 * (i < 2)) for i, each in enumerate(points.points)))
+    halves = _first_two_halved(points)
     values, none = np.array([2.0, 4.0, 9.0, 9.0, 9.0]), np.zeros(5)
     for cop, mean in (("heating_cop", 8.0 / 3.0), ("electrical_heating_cop", 8.0 / 3.0), ("cop", 3.0)):
         assert weighted_mean(halves, cop, values, none)[0] == pytest.approx(mean)

@@ -73,6 +73,27 @@ def test_an_exact_cubic_is_recovered(tmp_path):
         assert fit.largest < 1e-12 and fit.rms <= fit.largest
 
 
+def test_a_map_tells_which_points_it_does_without_and_why(tmp_path, capsys):
+    """10/50 °C failed; -5/38 °C is ok but lacks a figure."""
+
+    def without_a_flow(scene):
+        found, at = cubic(scene), scene.operation
+        if abs(at.evaporating_temperature - 268.15) + abs(at.condensing_temperature - 311.15) < 1e-6:
+            return Result("ok", performance=Figures(shaft_power=found.performance.shaft_power, gas_mass_flow=None))
+        return found
+
+    results = swept(tmp_path, *AXES, simulate=without_a_flow)
+    (found,) = performance_maps(results, NO_CAPACITY)
+    left_out = [(-5.0, 38.0, "has no gas_mass_flow"), (10.0, 50.0, "pressure left the range")]
+    assert [(each.S, each.D, each.why) for each in found.missing] == left_out and found.not_ok == 1
+    told = "2 points of the sweep are left out, (S, D) (-5, 38), (10, 50) °C; the first: has no gas_mass_flow"
+    asked = ["map", str(results.path), "--figure", "shaft_power", "--figure", "gas_mass_flow"]
+    for more in ([], ["--at", "evaporating_temperature=0 degC, condensing_temperature=40 degC"]):
+        exit_code([*asked, *more])
+        assert told in " ".join(capsys.readouterr().out.split())
+    assert polynomials(results, NO_CAPACITY).missing == (told,)
+
+
 def test_each_speed_has_its_map(tmp_path):
     maps = performance_maps(swept(tmp_path, *AXES, "  operation.speed: [1000 rpm, 2000 rpm]\n"), NO_CAPACITY)
     assert [each.values["operation.speed"] for each in maps] == pytest.approx(

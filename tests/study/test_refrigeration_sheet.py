@@ -122,8 +122,17 @@ def test_a_heat_pumps_sheet_has_what_its_condenser_gives_beside_the_rest(rated, 
     ]
     assert 0.0 < own.electrical_heating_cop - own.electrical_cop < 1.0
     (line,) = (text for name, text in both.lines if name == "heating")
-    assert line.startswith(f"{1e-3 * own.heating_capacity:.1f} kW from the condenser")
+    assert line.startswith(f"{1e-3 * own.heating_capacity:.1f} kW from the condenser, without the oil cooler; COP ")
     assert sheet.document["points"] == both.document["points"]  # programs get it in any case
+
+
+def test_the_heating_of_a_machine_without_oil_leaves_no_oil_cooler_out():
+    scene = screwsim.loads(new_scene("reciprocating", request_of(fluid="R290", condition="7/55 degC, 8 K")))
+    sheet = refrigeration_sheet(
+        rating(rating_request(scene, "5 degC..7 degC", "54 degC..55 degC", {}), jobs=1), heating=True
+    )
+    (line,) = (text for name, text in sheet.lines if name == "heating")
+    assert "kW from the condenser; COP " in line
 
 
 def test_a_heat_pumps_part_loads_are_those_of_its_heat():

@@ -8,6 +8,7 @@ from math import log
 from pathlib import Path
 
 import pytest
+from CoolProp.CoolProp import PropsSI
 from scenes import DROP, ECONOMIZER, SOLUBLE, scene_dict
 
 from screwsim.build import build_gas
@@ -53,6 +54,11 @@ def chain(tmp_path):
         return path
 
     return write
+
+
+def test_scenes_of_different_gases_are_told_the_keys_that_differ(chain):
+    with pytest.raises(SceneError, match=r"stages: have different gases: gas\.model, gas\.two_phase \(write the same"):
+        read_stages(chain(high=WET_HIGH))
 
 
 def test_flows_match_between_the_pressures_of_both_ends(chain):
@@ -168,6 +174,39 @@ def test_a_cooler_takes_the_heat_between_its_ends_and_saves_power(chain):
     assert p.second_suction_temperature == 290.0
     assert p.intercooler_heat == pytest.approx(p.gas_mass_flow * c_p * (T_d - 290.0), rel=1e-6)
     assert p.shaft_power / p.gas_mass_flow < plain.performance.shaft_power / plain.performance.gas_mass_flow
+
+
+def test_a_flash_intercooler_evaporates_what_the_gas_gives_off_and_leaves_it_saturated(chain):
+    """What liquid and vapour bring and take of the tank agrees, by CoolProp, and so does the balance of the plant."""
+    real = {"gas.fluid": "R134a", **EQUILIBRIUM, "oil_supply.temperature": DROP, "effects.separator": {}}
+    dry = {**real, "oil.transport": "carried"}
+    stated = {f"operation.{key}": value for key, value in CONDENSED["operation"].items()}
+    high = {**dry, **stated, "operation.suction": DROP, "operation.discharge": DROP}
+    mixed, found = (
+        run_stages(read_stages(chain({"kind": kind}, high, dry))) for kind in ("economizer", "flash_intercooler")
+    )
+    assert (mixed.status, found.status) == ("ok", "ok")
+    p, (first, second) = found.performance, (each.performance for each in found.stages)
+
+    def at(what, pressure, **other):
+        ((name, value),) = other.items()
+        return PropsSI(what, "P", pressure, name, value, "R134a")
+
+    h, s = partial(at, "H"), partial(at, "S")
+    p_i, p_d = p.intermediate_pressure, second.discharge_pressure
+    saturated, liquid, condensed = h(p_i, Q=1), h(p_i, Q=0), PropsSI("H", "T", 318.15, "Q", 0, "R134a")
+    comes = p.gas_mass_flow * h(p_i, T=first.separator_temperature) + second.gas_mass_flow * condensed
+    goes = p.gas_mass_flow * liquid + second.gas_mass_flow * saturated
+    assert comes == pytest.approx(goes, abs=2.0 * ACCURACY * second.gas_mass_flow * (saturated - condensed))
+    assert p.second_suction_temperature == pytest.approx(p.intermediate_temperature, abs=1e-6)
+    assert p.vapour_mass_flow == pytest.approx(second.gas_mass_flow - p.gas_mass_flow, rel=10.0 * ACCURACY)
+    p_s, T_s = first.suction_pressure, first.suction_temperature
+    ideal = p.gas_mass_flow * (h(p_d, S=s(p_s, T=T_s)) - h(p_s, T=T_s))
+    flashed = p.gas_mass_flow * (condensed - liquid) / (saturated - condensed)
+    ideal += flashed * (h(p_d, S=s(p_i, Q=1)) - saturated)
+    assert p.isentropic_efficiency == pytest.approx(ideal / p.shaft_power, rel=1e-4)
+    assert p.second_suction_temperature < mixed.performance.second_suction_temperature - 5.0
+    assert p.vapour_mass_flow / p.gas_mass_flow > mixed.performance.vapour_mass_flow / mixed.performance.gas_mass_flow
 
 
 @pytest.mark.parametrize(("between", "speed"), [(COOLER, 1300), (None, 900), ({"pressure_drop": "0.1 bar"}, 1500)])

@@ -696,6 +696,13 @@ def test_a_sheet_gives_a_machine_that_delivers_what_it_states(tmp_path, capsys, 
     assert max(map(len, printed.out.splitlines())) <= 80
 
 
+def test_a_package_high_up_is_told_over_what_its_gauge_pressure_counts():
+    """8 bar(g) at an inlet of 0.795 bar is 9 bar: 8.205 bar over that inlet, where a site would have 8."""
+    asked = request_of(condition="0.795 bar/8 bar(g), 40 degC", motor="90 kW")
+    *_, assumed = sized_told(asked, sized_machine("air", asked))
+    assert assumed.endswith("gauge pressures over 1 bar (operation.ambient_pressure), not over the inlet's 0.795 bar")
+
+
 @pytest.mark.slow
 def test_a_sheets_power_is_met_within_what_packages_differ_by():
     """The sheet of validation/cagi at full flow, 125 psig: that machine is of the best, the template typical."""

@@ -9,6 +9,7 @@ from each_row import each_row
 
 from screwsim.effects import refrigerant_solubility as effect
 from screwsim.fluid.solubility import M_OIL, M_REFRIGERANT
+from screwsim.fluid.solubility_laws import ESTER
 from screwsim.study.validation import NotRun, sibling
 
 HERE = Path(__file__).parents[2] / "validation" / "solubility"
@@ -45,7 +46,7 @@ def collected_file(folder, rows):
 
 def by_m195():
     """Return T, p and mole fraction of points that lie on M195."""
-    return [(T, effect.equilibrium_pressure(measured.ratio(x, M_OIL), T), x) for T, x in STATES]
+    return [(T, ESTER.equilibrium_pressure(measured.ratio(x, M_OIL), T), x) for T, x in STATES]
 
 
 def test_both_forms_of_a_file_hold_the_same_points(tmp_path):
@@ -110,7 +111,7 @@ def test_a_point_that_no_oil_with_r134a_has_says_where_and_what_to_write(tmp_pat
 def test_points_that_are_only_cold_or_only_rich_have_the_rows_that_they_allow(
     compare, tmp_path, monkeypatch, rows, told
 ):
-    at = [(T, effect.equilibrium_pressure(measured.ratio(x, M_OIL), T), x) for T, x in rows]
+    at = [(T, ESTER.equilibrium_pressure(measured.ratio(x, M_OIL), T), x) for T, x in rows]
     monkeypatch.setenv(points.FILE, str(plain_file(tmp_path, at)))
     monkeypatch.setattr(compare.machine, "machine_rows", lambda root: [])
     found = compare.compare(HERE)
@@ -123,14 +124,14 @@ def test_points_that_are_only_cold_or_only_rich_have_the_rows_that_they_allow(
 
 def test_heils_model_with_the_constants_of_m195_is_m195():
     for T, x in STATES:
-        assert GREBNER.pressure(T, x) == pytest.approx(effect.equilibrium_pressure(measured.ratio(x, M_OIL), T))
+        assert GREBNER.pressure(T, x) == pytest.approx(ESTER.equilibrium_pressure(measured.ratio(x, M_OIL), T))
 
 
 @each_row("oil", oils.OILS, ids=lambda oil: f"{oil.source} {oil.oil}")
 def test_own_equations_end_at_the_saturation_pressure(oil):
     """A cubic equation's own saturation of R134a is within 1 % of the fluid's."""
     for T in (283.15, 343.15):
-        assert oil.pressure(T, 0.9999) == pytest.approx(effect.pair(T).p_sat, rel=0.011)
+        assert oil.pressure(T, 0.9999) == pytest.approx(ESTER.pair(T).p_sat, rel=0.011)
 
 
 def test_a_cubic_equation_has_the_fugacity_of_its_closed_form():
@@ -190,15 +191,15 @@ def test_with_pressures_warm_oil_holds_less():
     """The vapour is less ideal at saturation than below, so p/p_sat is below f/f_sat: the more, the warmer."""
 
     def more(T):
-        p = 0.3 * effect.pair(T).p_sat
-        return effect.content(p, T) / measured.by_pressures(p, T) - 1.0
+        p = 0.3 * ESTER.pair(T).p_sat
+        return ESTER.content(p, T) / measured.by_pressures(p, T) - 1.0
 
     assert more(343.15) > 0.15 > more(273.15) > 0.0
 
 
 def test_pressure_by_pressures_is_the_inverse_of_the_content():
     for T in (283.15, 343.15):
-        p = 0.5 * effect.pair(T).p_sat
+        p = 0.5 * ESTER.pair(T).p_sat
         assert measured.pressure_by_pressures(measured.by_pressures(p, T), T) == pytest.approx(p, rel=1e-9)
 
 
@@ -222,7 +223,7 @@ def test_a_source_that_m195_misses_by_more_than_its_scatter_fails(compare):
     martz = next(oil for oil in oils.OILS if (oil.source, oil.oil) == ("Martz", "POE"))
 
     def pressure(T, x):
-        return effect.equilibrium_pressure(0.5 * measured.ratio(x, M_OIL), T)
+        return ESTER.equilibrium_pressure(0.5 * measured.ratio(x, M_OIL), T)
 
     rows = [points.Point(T, pressure(T, x), x) for T, x in STATES]
     row = compare.content_row(martz, [measured.deviations(pressure, rows, M_OIL)])
@@ -244,11 +245,12 @@ def test_a_file_without_any_of_the_oils_is_refused(compare, tmp_path, monkeypatc
 
 
 def test_another_solubility_is_taken_back():
-    plain = effect.content(8e5, 338.15)
-    with machine.dissolving(1.25):
-        assert effect.content(8e5, 338.15) == pytest.approx(1.25 * plain)
-        assert effect.equilibrium_pressure(1.25 * plain, 338.15) == pytest.approx(8e5)
-    assert effect.content(8e5, 338.15) == plain
+    plain = ESTER.content(8e5, 338.15)
+    with machine.dissolving(1.25) as law:
+        assert effect.law_of(effect.Parameters(), ESTER.fluid) is law
+        assert law.content(8e5, 338.15) == pytest.approx(1.25 * plain)
+        assert law.equilibrium_pressure(1.25 * plain, 338.15) == pytest.approx(8e5)
+    assert effect.law_of(effect.Parameters(), ESTER.fluid) is ESTER
 
 
 def test_oil_that_dissolves_more_costs_efficiency():

@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.refrigerant_solubility import content, pair
+from screwsim.fluid.solubility_laws import ESTER
 from screwsim.study.validation import Comparison, Panel, Row, Series, equal, sibling
 
 _HERE = Path(__file__).parent
 points, oils, measured = (sibling(_HERE / f"{name}.py") for name in ("points", "oils", "deviations"))
-machine = sibling(_HERE / "machine.py")
+machine, fitted = sibling(_HERE / "machine.py"), sibling(_HERE / "fitted.py")
 
 TITLE = "R134a dissolved in oils"
 CITATION = (
@@ -106,10 +106,10 @@ def warm_rows(found: Found) -> list[Row]:
 def laws() -> Panel:
     """Return contents of a warm separator by M195 and by the own equations of the ester oils' sources."""
     T, fractions = SEPARATOR, np.linspace(0.05, 0.9, 60)
-    p_sat = pair(T).p_sat
+    p_sat = ESTER.p_sat(T)
     shares = [float(share) for share in np.linspace(0.03, 0.9, 60)]
     series = [
-        Series("M195", shares, [content(share * p_sat, T) for share in shares]),
+        Series("M195", shares, [ESTER.content(share * p_sat, T) for share in shares]),
         Series("M195, pressures", shares, [measured.by_pressures(share * p_sat, T) for share in shares]),
     ]
     for oil in oils.OILS:
@@ -156,6 +156,7 @@ def measured_rows(stored: Any) -> tuple[list[Row], list[Panel]]:
             known.append((oil, each[0]))
             if oil.kind != "estimate":
                 rows.append(pressure_row(oil, each[0], of_oil))
+        rows.append(fitted.fitted_row(oil, of_oil))
     if not rows:
         raise points.NotRun(f"{points.FILE}={points.named()}: holds none of the oils ({points.REMEDY})")
     if oils.OPEN in stored:

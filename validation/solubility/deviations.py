@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.effects.refrigerant_solubility import content, equilibrium_pressure, pair
 from screwsim.fluid.solubility import M_REFRIGERANT, dissolved, log_activity
+from screwsim.fluid.solubility_laws import ESTER
 
 MOST = 0.8  # share of the saturation pressure up to which contents are compared
 SLIP = 1.0  # relative deviation of a pressure from its source's own equation from which on the point is a slip
@@ -50,12 +50,12 @@ def mole_fraction(content: float, molar_mass: float) -> float:
 
 def by_pressures(p: float, T: float) -> float:
     """Return the content [kg/kg] by M195 as it is often handed on: with p/p_sat, as if the vapour were an ideal gas."""
-    return dissolved(p, *pair(T))
+    return dissolved(p, *ESTER.pair(T))
 
 
 def pressure_by_pressures(ratio: float, T: float) -> float:
     """Return the pressure [Pa] over oil that holds `ratio` [kg/kg], the inverse of `by_pressures`."""
-    known = pair(T)
+    known = ESTER.pair(T)
     x = ratio / (ratio + known.mass_ratio)
     return known.p_sat * math.exp(log_activity(x, *known[1:5]))
 
@@ -92,7 +92,7 @@ def deviations(pressure: Any, stored: Sequence[Any], molar_mass: float) -> Devia
     """
     mole = misses(pressure, stored, "mole", molar_mass)
     kept = [each for each, far in zip(stored, mole, strict=True) if abs(far) < SLIP]
-    held = [each for each in kept if each.p < MOST * pair(each.T).p_sat]
+    held = [each for each in kept if each.p < MOST * ESTER.p_sat(each.T)]
     if not held:
         return None
     masses = [np.mean(np.abs(misses(pressure, kept, kind, molar_mass))) for kind in ("oil", "solution")]
@@ -104,10 +104,10 @@ def deviations(pressure: Any, stored: Sequence[Any], molar_mass: float) -> Devia
 
     return Deviations(
         np.array([each.T for each in held]),
-        np.array([content(each.p, each.T) for each in held]) / measured - 1.0,
+        np.array([ESTER.content(each.p, each.T) for each in held]) / measured - 1.0,
         np.array([by_pressures(each.p, each.T) for each in held]) / measured - 1.0,
         by_own / measured - 1.0,
-        over(equilibrium_pressure),
+        over(ESTER.equilibrium_pressure),
         over(pressure_by_pressures),
         float(np.mean(np.abs(mole[np.abs(mole) < SLIP]))),
         float(min(masses)),

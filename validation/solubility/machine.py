@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from screwsim.effects import refrigerant_solubility as effect
+from screwsim.fluid.solubility import RefrigerantOilPair
+from screwsim.fluid.solubility_laws import ESTER, Ester
 from screwsim.outputs import Result
 from screwsim.study.validation import Row, solved
 
@@ -14,19 +16,26 @@ SCENE = "configs/r134a/separator.yaml"
 FACTORS = {"a quarter more": 1.25, "a fifth less": 0.8}
 
 
+class _Dissolving(Ester):
+    """The ester's law with so many times its content at the same pressure."""
+
+    def __init__(self, factor: float) -> None:
+        super().__init__(ESTER.fluid, ESTER.low, ESTER.high, ESTER.most)
+        self.factor = factor
+
+    def pair(self, T: float) -> RefrigerantOilPair:
+        known = super().pair(T)
+        return known._replace(mass_ratio=self.factor * known.mass_ratio)
+
+
 @contextmanager
-def dissolving(factor: float) -> Iterator[None]:
+def dissolving(factor: float) -> Iterator[Ester]:
     """Let oils hold so many times what M195 has at the same pressure, as oils of a smaller molar mass do."""
-    pair, kept = effect.pair, (effect._content, effect._vapour, effect.most_held, effect.solution)
-    effect.pair = lambda T: pair(T)._replace(mass_ratio=factor * pair(T).mass_ratio)
-    for each in kept:
-        each.cache_clear()
+    effect.ESTER = _Dissolving(factor)
     try:
-        yield
+        yield effect.ESTER
     finally:
-        effect.pair = pair
-        for each in kept:
-            each.cache_clear()
+        effect.ESTER = ESTER
 
 
 def machine_rows(root: Path) -> list[Row]:

@@ -17,8 +17,8 @@ import numpy as np
 from CoolProp.CoolProp import AbstractState
 from scipy.optimize import brentq
 
-from screwsim.effects.refrigerant_solubility import pair, vapour
 from screwsim.fluid.solubility import M_OIL, R, log_activity
+from screwsim.fluid.solubility_laws import ESTER
 
 Pressure = Callable[[float, float], float]  # of T and x
 LEAST, STEP = 100.0, 0.9  # [Pa] least pressure that is sought, and the steps of the search down to it
@@ -44,7 +44,7 @@ def flory_huggins(segments: float, energy: float, bend: float) -> Pressure:
 
     def pressure(T: float, x: float) -> float:
         oil = segments * (1.0 - x) / (x + segments * (1.0 - x))
-        most = BELOW * pair(T).p_sat
+        most = BELOW * ESTER.p_sat(T)
         chi = energy / T * (1.0 + bend / T)
         log_gamma = math.log(1.0 - (1.0 - 1.0 / segments) * oil) + (1.0 - 1.0 / segments) * oil + chi * oil * oil
         wanted = x * math.exp(log_gamma) * fugacity(T, most)
@@ -60,13 +60,13 @@ def heil(d_12: float, d_21: float, molar_mass: float, density: tuple[float, floa
     """
 
     def pressure(T: float, x: float) -> float:
-        known = pair(T)
+        known = ESTER.pair(T)
         like = known.lambda_12 * math.exp(known.tau_12)  # of M195's oil, v_2/v_1
         fahrenheit = 1.8 * (T - 273.15) + 32.0
         like *= molar_mass / M_OIL * (61.387 - 0.024138 * fahrenheit) / (density[0] - density[1] * fahrenheit)
         own_12, own_21 = d_12 / (R * T), d_21 / (R * T)
         activity = log_activity(x, like * math.exp(-own_12), math.exp(-own_21) / like, own_12, own_21)
-        return known.p_sat * vapour(T).share(activity)
+        return known.p_sat * ESTER.vapour(T).share(activity)
 
     return pressure
 
@@ -106,7 +106,7 @@ class Cubic(NamedTuple):
         def excess(p: float) -> float:
             return math.log(x) + self.log_fugacity(T, p, x, True) - self.log_fugacity(T, p, 1.0, False)
 
-        high = most = BELOW * pair(T).p_sat
+        high = most = BELOW * ESTER.p_sat(T)
         if excess(most) > 0.0:
             return most  # by the equation the oil would part in two liquids
         while high > LEAST:

@@ -29,11 +29,12 @@ OIL = Span(LOG * math.log(LEAST_OIL), LOG * math.log(MOST_OIL))
 class CoordinateChange(NamedTuple):
     """Change that the figures require of a coordinate [K], and the remaining relative error of its flow.
 
-    Both are zero where the coordinate is at an end of its range and would have to move outwards.
+    Both are zero where the coordinate is `held` at an end of its range: it would have to move outwards.
     """
 
     off: float
     open: float
+    held: bool = False
 
 
 @dataclass(frozen=True)
@@ -131,6 +132,11 @@ def completed(scene: Scene, near: Sequence[float] | None = None) -> Scene:
     return with_coordinates(scene, near)
 
 
+def cautious_coordinates(scene: Scene) -> list[float]:
+    """Return first guesses of the coordinates for a machine that has no net flow with those of `completed`."""
+    return [one.cautious(span) for one, span in zip(_open(scene).values(), coordinate_ranges(scene), strict=True)]
+
+
 def current_coordinates(scene: Scene) -> list[float | None]:
     """Return the current value of each coordinate [K]; None where it has none yet."""
     return [one.stands for one in _open(scene).values()]
@@ -170,7 +176,7 @@ def required_changes(
             return None
         step, scale = off
         outward = span.at_end(x) and abs(span.kept(x + step) - x) <= AT_END
-        found.append(CoordinateChange(0.0, 0.0) if outward else CoordinateChange(step, abs(step) / scale))
+        found.append(CoordinateChange(0.0, 0.0, held=True) if outward else CoordinateChange(step, abs(step) / scale))
     return found
 
 

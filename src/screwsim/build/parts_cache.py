@@ -158,10 +158,9 @@ def surroundings_of(scene: Scene, at: Lines) -> Around:
 
 def build_site(scene: Scene, gas: Gas) -> Site:
     """Return the data from which the state of an effect's own plenum can be computed."""
-    at, effect = lines(scene), refrigerating_effect(scene)
+    around, effect = surroundings_of(scene, lines(scene)), refrigerating_effect(scene)
     liquid = None if effect is None else suction_enthalpy(scene) - effect
-    around = surroundings_of(scene, at)
-    return Site(gas, scene.gas.name, at.p_s, at.T_s, at.p_d, liquid, effect, around.T_oil, around.oil)
+    return Site(**vars(around), gas=gas, liquid_enthalpy=liquid, refrigerating_effect=effect)
 
 
 def build_gas(scene: Scene) -> Gas:

@@ -14,7 +14,7 @@ from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, WITHO
 from screwsim.screen import say
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from screwsim.export.inputs import Input
     from screwsim.export.map_table import MapTable
@@ -40,34 +40,6 @@ MOST_CASES = option("N", "Largest number of grid points to simulate (default: 50
 _BAR = partial(progress_bar, "export")
 
 
-def _announce_polynomials(scene: Varied, inputs: Sequence[Input]) -> None:
-    from screwsim.export.polynomial_table import check_inputs
-
-    check_inputs(inputs)
-    _announce_map(scene, inputs)
-
-
-def _announce_package(scene: Varied, inputs: Sequence[Input]) -> None:
-    from screwsim.export.modelica import check_inputs
-
-    check_inputs(inputs)
-    _announce_map(scene, inputs)
-
-
-def _announce_compressor(scene: Varied, inputs: Sequence[Input]) -> None:
-    from screwsim.export.polynomials import check_conditions
-
-    check_conditions(scene)
-    _announce_map(scene, inputs)
-
-
-def _announce_tespy(scene: Varied, inputs: Sequence[Input]) -> None:
-    from screwsim.export.tespy import check_scene
-
-    check_scene(scene)
-    _announce_map(scene, inputs)
-
-
 def _announce_map(scene: Varied, inputs: Sequence[Input]) -> None:
     from screwsim.study.asked.inputs import shown_range
 
@@ -77,6 +49,16 @@ def _announce_map(scene: Varied, inputs: Sequence[Input]) -> None:
         together = " with ".join((shown_range(scene, one.path, one.low, one.high), *others))
         ranges.append(f"{one.name} {together}")
     typer.echo(f"export: simulating a map over {', '.join(ranges)}", err=True)
+
+
+def _announced_after(check: Callable[[Varied, Sequence[Input]], object]) -> Callable[[Varied, Sequence[Input]], None]:
+    """Return a function that announces a map once it has passed a check."""
+
+    def announce(scene: Varied, inputs: Sequence[Input]) -> None:
+        check(scene, inputs)
+        _announce_map(scene, inputs)
+
+    return announce
 
 
 def print_map_and_files(table: MapTable, files: list[str], as_json: bool) -> int:
@@ -114,17 +96,16 @@ def fmu(
     """Write a functional mock-up unit for co-simulation: C, without Python where it runs."""
     options.check_target(output, ".fmu")
     from screwsim.export.fmu import compiler, protect_other_units, write_fmu
+    from screwsim.export.polynomial_table import check_inputs, polynomial_table
     from screwsim.export.source import map_of
     from screwsim.results.atomic import make_folder
 
     protect_other_units(output)
     if not sources_only:
         compiler()  # reports a missing compiler before the map is simulated
-    told = _announce_polynomials if kind == "polynomial" else _announce_map
+    told = _announced_after(lambda scene, inputs: check_inputs(inputs)) if kind == "polynomial" else _announce_map
     table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, told)
     if kind == "polynomial":
-        from screwsim.export.polynomial_table import polynomial_table
-
         table = polynomial_table(table, wanted)
     make_folder(output.parent)
     write_fmu(table, output, version, compiled=not sources_only)
@@ -146,12 +127,13 @@ def modelica(
 ) -> int:
     """Write a Modelica package of a map with two inputs: standard-library tables, and polynomials."""
     options.check_target(output, ".mo")
-    from screwsim.export.modelica import WRITTEN_MARK, identifier, package
+    from screwsim.export.modelica import WRITTEN_MARK, check_inputs, identifier, package
     from screwsim.export.source import map_of
     from screwsim.results.protection import protect_unmarked
 
     protect_unmarked(output, WRITTEN_MARK)
-    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, _announce_package)
+    told = _announced_after(lambda scene, inputs: check_inputs(inputs))
+    table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, told)
     name = identifier(output.stem)
     written = [_write_content(output, package(table, name))]
     if name != output.stem:
@@ -223,12 +205,13 @@ def tespy(
     options.check_target(output, ".json")
     from screwsim.export.polynomials import swept_results
     from screwsim.export.source import refuse_stages
-    from screwsim.export.tespy import FIGURES, ONE_MACHINE, tespy_document
+    from screwsim.export.tespy import FIGURES, ONE_MACHINE, check_scene, tespy_document
     from screwsim.results.protection import protect_other_json
 
     refuse_stages(source, ONE_MACHINE)
     protect_other_json(output, "for", "fluid", "maps")
-    with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_tespy) as results:
+    told = _announced_after(lambda scene, inputs: check_scene(scene))
+    with swept_results(source, over, overrides, without, jobs, _BAR(), told) as results:
         document = tespy_document(results)
     rows = [(each["at"], [each["largest_error"][name] for name in FIGURES]) for each in document["maps"]]
     errors = [tuple(each["errors_by_dissipation_ratio"].values()) for each in document["maps"]]
@@ -257,11 +240,12 @@ def energyplus(
     """Write EnergyPlus curves: bicubic ones with their Refrigeration:Compressor, and biquadratic ones."""
     options.check_target(output, ".idf", ".epjson")
     from screwsim.export import energyplus as made_for
-    from screwsim.export.polynomials import document, polynomials, rated_temperatures, swept_results
+    from screwsim.export.polynomials import check_conditions, document, polynomials, rated_temperatures, swept_results
     from screwsim.results.protection import protect_other_document
 
     protect_other_document(output, made_for.WRITTEN_MARK, "Version", *made_for.CLASSES)
-    with swept_results(source, over, overrides, without, jobs, _BAR(), _announce_compressor) as results:
+    told = _announced_after(lambda scene, inputs: check_conditions(scene))
+    with swept_results(source, over, overrides, without, jobs, _BAR(), told) as results:
         found = polynomials(results, [made_for.power_of(results.figures), made_for.CAPACITY])
     objects = made_for.energyplus_objects(found, output.stem)
     text = output.suffix.lower() == ".idf"
@@ -353,8 +337,11 @@ def _polynomial_errors(found: Polynomials) -> list[tuple[dict[str, float], list[
 def _print_polynomials_and_files(
     document: dict, figures: Sequence[str], rows: list, files: list[str], as_json: bool
 ) -> int:
+    from screwsim.export.polynomials import MISSING
     from screwsim.printing.export import print_polynomials
 
+    for text in document.get(MISSING, ()):
+        typer.echo(f"export: {text}", err=True)
     whole = {**document, "files": files}
     print_document_or_text(as_json, lambda *_: whole, print_polynomials, document, figures, rows, files)
     return OK

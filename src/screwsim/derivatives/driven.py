@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from screwsim.derivatives.around import motion_of
-from screwsim.derivatives.collocation import CollocatedCycle, NotClosed
+from screwsim.derivatives.collocation import NotClosed
 from screwsim.derivatives.directions import Direction, Directions
 from screwsim.derivatives.response import CycleResponse, image, responses, shifted_evaluation, unshifted_evaluation
 from screwsim.evaluate.evaluation import Evaluation
@@ -23,21 +23,21 @@ SETTLED = 1e-6  # last change of the squared relative speed, per share of a numb
 
 
 def closed_with_drive(
-    cycle: CollocatedCycle, directions: Sequence[Direction], all_directions: Directions
+    all_directions: Directions, directions: Sequence[Direction]
 ) -> tuple[list[Direction], CycleResponse]:
     """Return directions (at least one) with the response of the drive, where there is one, and that of the cycle."""
-    composition, found = cycle.pitch.machinery.composition, list(directions)
-    here = unshifted_evaluation(cycle, all_directions)
+    composition, found = all_directions.cycle.pitch.machinery.composition, list(directions)
+    here = unshifted_evaluation(all_directions)
     unmoved, driven = image(here), composition.speed_curve is not None
     own = _curve_of(here) if driven else np.zeros(0)
-    moves = responses(cycle, found, all_directions, unmoved)
+    moves = responses(all_directions, found, unmoved)
     if not driven:
         return found, moves
     last, moved = np.zeros((len(found), speed.ROWS - 1)), np.inf
     for _ in range(MOST_ROUNDS):
         curves = []
         for j, each in enumerate(found):
-            there = _curve_of(shifted_evaluation(cycle, each, moves.by(j), all_directions))
+            there = _curve_of(shifted_evaluation(all_directions, each, moves.by(j)))
             curves.append((there - own) / each.step)
         now = np.array([speed.squares_at(each, 0) for each in curves])
         moved, before = float(np.abs(now - last).max()), moved
@@ -45,7 +45,7 @@ def closed_with_drive(
             return found, moves
         at = speed.curve_places(composition)
         found, last = [each.with_parameters(at, change) for each, change in zip(directions, curves, strict=True)], now
-        moves = responses(cycle, found, all_directions, unmoved)
+        moves = responses(all_directions, found, unmoved)
         if moved * moved <= SETTLED * before < np.inf:  # what the next round would still change
             return found, moves
     raise NotClosed("the response of the drive does not converge")

@@ -6,7 +6,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from screwsim.derivatives.collocation import CollocatedCycle, solve_unknowns
+from screwsim.derivatives.collocation import solve_unknowns
 from screwsim.derivatives.directions import Direction, Directions
 from screwsim.derivatives.linear import Response
 from screwsim.derivatives.pitch import CollocatedPitch
@@ -37,18 +37,16 @@ def _moved(pitch: CollocatedPitch, response: Response, unknowns: Array) -> Cycle
     return CycleResponse(response, unknowns, cache(lambda: pitch.life(response.start, response.nodes, response.after)))
 
 
-def responses(
-    cycle: CollocatedCycle, directions: Sequence[Direction], all_directions: Directions, own: Array
-) -> CycleResponse:
+def responses(all_directions: Directions, directions: Sequence[Direction], own: Array) -> CycleResponse:
     """Return the response of the cycle and its unknowns to directions (at least one), a column each.
 
     `own` is the `image` of the unchanged cycle.
     """
-    linear, pitch = all_directions.along(directions), cycle.pitch
+    linear, cycle, pitch = all_directions.along(directions), all_directions.cycle, all_directions.cycle.pitch
     off = np.zeros((len(cycle.unknowns_in), len(directions)))
     held = _moved(pitch, linear.by_changes, off.copy())
     for j, direction in enumerate(directions):
-        there = image(shifted_evaluation(cycle, direction, held.by(j), all_directions))
+        there = image(shifted_evaluation(all_directions, direction, held.by(j)))
         off[:, j] = np.where(linear.given, direction.stated, (there - own) / direction.step)
     unknowns = np.stack([solve_unknowns(linear.back, each, linear.given) for each in off.T], axis=-1)
     return _moved(pitch, linear.by_changes.added(linear.by_unknowns.weighted(unknowns)), unknowns)
@@ -59,30 +57,24 @@ def image(of: Evaluation) -> Array:
     return of.problem.entries.coordinates(of.image)
 
 
-def unshifted_evaluation(
-    cycle: CollocatedCycle, all_directions: Directions, turn: PeakPlace | None = None
-) -> Evaluation:
+def unshifted_evaluation(all_directions: Directions, turn: PeakPlace | None = None) -> Evaluation:
     """Return the evaluation of the unchanged cycle, read in the same way as one that is `shifted_evaluation`."""
-    pitch = cycle.pitch
+    cycle, pitch = all_directions.cycle, all_directions.cycle.pitch
     pitch.put(all_directions.own[0])
     life = ShiftedLife.of(pitch, lambda: pitch.install_life(all_directions.life), turn)
     return Evaluation(pitch.problem, life, cycle.sums, into=cycle.into)
 
 
 def shifted_evaluation(
-    cycle: CollocatedCycle,
-    direction: Direction,
-    moves: CycleResponse,
-    all_directions: Directions,
-    turn: PeakPlace | None = None,
+    all_directions: Directions, direction: Direction, moves: CycleResponse, turn: PeakPlace | None = None
 ) -> Evaluation:
     """Return the evaluation of the cycle after a shift of a number; with a `turn`, its highest pressure is read there.
 
     The `turn` is that of the unchanged cycle. The evaluation uses the machinery of the
     cycle, so it must be read before that is used for anything else.
     """
-    pitch, problem, by = cycle.pitch, direction.problem, direction.step
-    at, entries, response = direction.side, problem.entries, moves.response
+    cycle, problem, by = all_directions.cycle, direction.problem, direction.step
+    pitch, at, entries, response = cycle.pitch, direction.side, problem.entries, moves.response
     if moves.unknowns.any():
         unknowns_in = entries.values(entries.coordinates(cycle.unknowns_in) + by * moves.unknowns, cycle.unknowns_in)
         at = all_directions.meeting(direction, unknowns_in)

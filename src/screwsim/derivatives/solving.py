@@ -71,7 +71,7 @@ def derivatives(
     `values` are the numbers [SI] at the paths, `built` the parts and composer of the scene's series.
     """
     problem, all_directions, series = cycle.pitch.problem, Directions(cycle), Series(built)
-    around = _by_surroundings(problem, all_directions, series)
+    around = _by_surroundings(all_directions, series)
     directions, refused = {}, {}
     for path, value in values.items():
         try:
@@ -84,13 +84,13 @@ def derivatives(
     every = [*around, *directions.values()]
     if not every:
         return {}, refused
-    (every, moves), read = closed_with_drive(cycle, every, all_directions), []
-    peak = peak_step(unshifted_evaluation(cycle, all_directions))
+    (every, moves), read = closed_with_drive(all_directions, every), []
+    peak = peak_step(unshifted_evaluation(all_directions))
     states, after = cycle.nodes.__getitem__, cycle.pitch.after(cycle.nodes)
     turn = None if peak is None else PeakPlace(*peak, in_step(cycle.pitch, cycle.start, states, after, peak[0]))
-    here = _readings_of(unshifted_evaluation(cycle, all_directions, turn), bool(around))
+    here = _readings_of(unshifted_evaluation(all_directions, turn), bool(around))
     for j, direction in enumerate(every):
-        there = _readings_of(shifted_evaluation(cycle, direction, moves.by(j), all_directions, turn), bool(around))
+        there = _readings_of(shifted_evaluation(all_directions, direction, moves.by(j), turn), bool(around))
         both = [name for name in there.figures if name in here.figures]
         figures = {name: (there.figures[name] - here.figures[name]) / direction.step for name in both}
         read.append(SideReadings(figures, (there.asked - here.asked) / direction.step))
@@ -102,8 +102,9 @@ def derivatives(
     return slopes, refused
 
 
-def _by_surroundings(problem: Problem, all_directions: Directions, series: Series) -> list[Direction]:
+def _by_surroundings(all_directions: Directions, series: Series) -> list[Direction]:
     """Return the directions of the coordinates that respond; raise NotClosed where one moves the end of another."""
+    problem = all_directions.cycle.pitch.problem
     found = [all_directions.of(coordinate_shifted(problem, series, i), STEP) for i in open_coordinates(problem)]
     if any(moves_an_end(problem, each.problem) for each in found):
         raise NotClosed(AT_END)
@@ -142,14 +143,12 @@ def _newton_step(
     None where these have converged.
     """
     problem, all_directions = cycle.pitch.problem, Directions(cycle)
-    here = implied_changes(unshifted_evaluation(cycle, all_directions))[rows]
+    here = implied_changes(unshifted_evaluation(all_directions))[rows]
     if float(np.abs(here).max()) <= LARGEST_RESIDUAL:
         return None
-    around, moves = closed_with_drive(cycle, _by_surroundings(problem, all_directions, series), all_directions)
-    asked = [
-        implied_changes(shifted_evaluation(cycle, each, moves.by(j), all_directions))[rows]
-        for j, each in enumerate(around)
-    ]
+    around, moves = closed_with_drive(all_directions, _by_surroundings(all_directions, series))
+    pairs = enumerate(around)
+    asked = [implied_changes(shifted_evaluation(all_directions, each, moves.by(j)))[rows] for j, each in pairs]
     matrix = np.array([(there - here) / each.step for there, each in zip(asked, around, strict=True)]).T
     by = np.linalg.solve(matrix, -here)
     x, entries = coordinates(problem), problem.entries

@@ -10,7 +10,7 @@ Source: screwsim, docs/how-to/adding-an-effect.md.
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 from screwsim.effects.parts.flows import (
     DISCHARGE,
@@ -38,9 +38,8 @@ from screwsim.effects.parts.lines import (
 )
 from screwsim.effects.parts.made import LineFlow, Made, Pulsation, Sought, Span, Turn
 from screwsim.effects.parts.oil import OilContent, OilGas, OilPort, OilRoom, OilSolution
-from screwsim.effects.parts.readings import Drawn, Given, Plenum, PowerLoss, Reading, Shaft, Site
+from screwsim.effects.parts.readings import Around, Drawn, Given, Plenum, PowerLoss, Reading, Shaft, Site
 from screwsim.effects.parts.usual import Sized, Usual
-from screwsim.fluid.settings import OilProperties
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import MachineKind
 from screwsim.outputs import Figure, Trace
@@ -58,21 +57,6 @@ Part = (
     FlowPath | Plenum | OilPort | OilGas | OilRoom | ChamberState | Stops | HeatRate | Wall | Made | Scaled | Pulsation
     | PowerLoss | Reading | Shaft | Separator | SuctionChange | SuctionLine | LineLeak | SuctionHeat
 )  # fmt: skip
-
-
-class Around(NamedTuple):
-    """What an effect can learn about a scene before it is composed (SI units). `oil` has density and viscosity.
-
-    `tip_speed` is that of the male rotor, or the mean piston speed.
-    """
-
-    fluid: str
-    p_s: float
-    T_s: float
-    p_d: float
-    tip_speed: float
-    T_oil: float | None = None
-    oil: OilProperties | None = None
 
 
 @dataclass(frozen=True)

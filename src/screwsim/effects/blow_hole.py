@@ -70,9 +70,7 @@ class Parameters(GapParameters):
         None,
     )
 
-    @property
-    def held(self) -> Resistance | None:
-        """What the opening adds to a nozzle."""
+    def resistance(self, slides: float | None = None) -> Resistance | None:
         return gap_flow.HOLES[self.model or gap_flow.NOZZLE]
 
 
@@ -91,18 +89,17 @@ def suction_side(phi, size, pitch, closes):
 
 def build(parameters: Parameters, machine) -> list[FlowPath]:
     interfaces = machine.interfaces(BLOW_HOLE)
-    held = parameters.held
     if interfaces is not None and parameters.area_file is None:
-        return profile_paths(parameters, sized_holes(interfaces, parameters.area), held=held)
+        return profile_paths(parameters, sized_holes(interfaces, parameters.area))
     opens, closes = parameters.opens, parameters.closes
     values = {"size": parameters.area or 0.0, "opens": opens, "closes": closes}
     corners = [at - machine.pitch for at in (opens, opens + RAMP, closes - RAMP, closes)]
-    paths = [gap_path(parameters, area, values, breakpoints=(), corners=corners, offset=1, held=held)]
+    paths = [gap_path(parameters, area, values, breakpoints=(), corners=corners, offset=1)]
     if interfaces is None and parameters.suction_area is not None:
         values = {"size": parameters.suction_area, "closes": parameters.suction_closes}
         shuts = parameters.suction_closes
         corners = [at - machine.pitch for at in (TURN - RAMP, TURN, shuts - SHUTTING, shuts)]
-        others = {"breakpoints": (), "corners": corners, "offset": 1, "use_table": False, "held": held}
+        others = {"breakpoints": (), "corners": corners, "offset": 1, "use_table": False}
         paths.append(gap_path(parameters, suction_side, values, **others))
     return paths
 
@@ -119,7 +116,7 @@ def check(parameters: Parameters, facts) -> Faults:
     if parameters.suction_area is None and not profiled:
         what = "has no meaning without suction_area, whose end it is (state that, or remove this)"
         yield from check_unused("blow_hole", parameters, what, "suction_closes")
-    if parameters.model and parameters.held is not None:
+    if parameters.model and parameters.resistance() is not None:
         yield from gap_flow.oil_faults("effects.blow_hole", parameters.model, facts, viscous=False)
     if parameters.closes - parameters.opens < 2.0 * RAMP:
         yield Fault("effects.blow_hole.closes", "must lie at least 40 deg after opens (choose a later angle)")

@@ -147,6 +147,10 @@ class Parameters(WindowParameters, Sought):
         """Return a first guess of the temperature [K]."""
         return span.low + 0.4 * (span.high - span.low)
 
+    def cautious(self, span: Span) -> float:
+        """Return the temperature [K] at which the port lets in least: more may leave no room for suction gas."""
+        return span.low
+
     def placed(self, x: float) -> dict[str, Any]:
         """Return the parameter that a coordinate stands for: the temperature."""
         return {"temperature": FoundWithCycle(x)}
@@ -167,9 +171,11 @@ class Parameters(WindowParameters, Sought):
             return ""
         what = "at no economizer temperature does the port draw as much vapour as the liquid gives off"
         end = f"at {celsius(x)}, the {'lowest' if lowest else 'highest'}"
-        remedy = (
-            "a smaller port, or one that opens later" if ratio > 1.0 else "a larger port, or one that opens earlier"
-        )
+        remedy = "a larger port, or one that opens earlier"
+        if ratio > 1.0:
+            remedy = "a smaller port, or one that opens later"
+        elif ratio < 0.0:
+            remedy = "open it earlier, or leave it out here: the chambers' pressure is above its own"
         return f"{what}: {end}, it draws {ratio:.3g} times that ({remedy})"
 
 

@@ -29,7 +29,7 @@ from screwsim.effects.base import Effect, Faults, Given, Reading, SuctionHeat
 from screwsim.effects.parts import inverter as inverters
 from screwsim.effects.parts import motor_classes
 from screwsim.effects.parts.usual import DRIVE
-from screwsim.inputs.declare import Derived, choice, count, file, number, quantity
+from screwsim.inputs.declare import Derived, ReplaceableDefault, choice, count, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 from screwsim.machine.protocol import ROTORS
@@ -65,7 +65,7 @@ class Parameters:
     rated_power: float = quantity("power", "P_r: rated power at the shaft", gt=0.0)
     efficiency: float = number(
         "eta_r: efficiency at rated power (default: IE3, 75 kW, four poles)",
-        inverters.Usual(0.95),
+        ReplaceableDefault(0.95),
         gt=0.0,
         le=1.0,
         hardly=(0.3, 0.995),
@@ -94,7 +94,8 @@ class Parameters:
     def __post_init__(self) -> None:
         """Set what follows from the rated power and is not stated: a class's efficiency, the loss by an inverter."""
         poles = self.poles or 4
-        if self.is_of_class and poles in motor_classes.POLES and isinstance(self.efficiency, inverters.Usual | Derived):
+        unstated = isinstance(self.efficiency, ReplaceableDefault | Derived)
+        if unstated and self.is_of_class and poles in motor_classes.POLES:
             efficiency = motor_classes.class_efficiency(self.efficiency_class, poles, self.rated_power)
             object.__setattr__(self, "efficiency", Derived(efficiency))
         if self.inverter is not None:
@@ -223,7 +224,7 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
 
 def _too_good(parameters: Parameters) -> tuple[str, ...]:
     """Return a warning where the default efficiency, of a motor of 75 kW, is not that of one so small; else empty."""
-    if not isinstance(parameters.efficiency, inverters.Usual) or parameters.efficiency_file is not None:
+    if not isinstance(parameters.efficiency, ReplaceableDefault) or parameters.efficiency_file is not None:
         return ()
     known, rated = motor_classes.class_efficiency(motor_classes.IE3, 4, parameters.rated_power), parameters.rated_power
     if parameters.efficiency - known <= TOO_GOOD:

@@ -64,7 +64,7 @@ def area_of(parameters: Parameters) -> float:
 
 def build(parameters: Parameters, machine) -> list[LineLeak]:
     area = parameters.flow_coefficient * area_of(parameters)
-    if gap_flow.MODELS[parameters.model].held is None:
+    if gap_flow.MODELS[parameters.model].resistance is None:
         return [LineLeak(area)]
     rule, clearance, passage = parameters.mixture_viscosity, parameters.clearance, parameters.passage
     assert rule is not None and clearance is not None and passage is not None  # of `check`
@@ -96,7 +96,7 @@ def check(parameters: Parameters, facts) -> Faults:
 
 def _model_faults(path: str, parameters: Parameters, facts) -> Faults:
     """Yield keys that the flow model needs and lacks, and those that have no meaning with it."""
-    if gap_flow.MODELS[parameters.model].held is None:
+    if gap_flow.MODELS[parameters.model].resistance is None:
         for extra in (*_SEALED, "gas_viscosity"):
             if getattr(parameters, extra) is not None:
                 yield Fault(f"{path}.{extra}", "has no meaning with model: nozzle (remove it)")

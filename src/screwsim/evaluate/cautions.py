@@ -9,7 +9,7 @@ from screwsim.build import open_values, separator_effects
 from screwsim.cycle.balances import heat_flowing_back
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
-from screwsim.effects.base import SUCTION, CoolsOil, FlowPath
+from screwsim.effects.base import SUCTION, CoolsOil, FlowPath, PowerLoss, Wall
 from screwsim.effects.parts.usual import SUCTION_BACK
 from screwsim.evaluate import humidity, late_valves, plausible
 from screwsim.evaluate.evaluation import Evaluation
@@ -28,7 +28,10 @@ CONTRADICTS = 1.0  # [K] between a stated separator temperature and that of its 
 OPEN_TO_SUCTION = math.radians(1.0)  # of a plenum's port before the end of suction, tolerated
 HARDLY_KNOWN = 0.01  # relative error of figures over the net flow that deserves a warning
 OVER_FLOW = "specific_power", "oil_flow_ratio", "economizer_flow_ratio", "liquid_injection_flow_ratio"
-LOST, LOST_DRY = 0.02, 0.05  # of the shaft power: heat with backflow to suction that deserves a warning
+LOST, LOST_DRY = (
+    0.02,
+    0.05,
+)  # of the shaft power: heat with backflow to suction, or from outside, that deserves a warning
 
 
 def warnings(of: Evaluation) -> Iterator[str]:
@@ -51,9 +54,10 @@ def warnings(of: Evaluation) -> Iterator[str]:
     yield from _unfitted_bore(of)
     yield from _open_to_suction(of)
     yield from _lost_to_suction(of)
+    yield from _warmed_from_outside(of)
     yield from late_valves.warnings(of)
     yield from _separator_warnings(of)
-    yield from humidity.warnings(problem, of.life, found, of.circuit)
+    yield from humidity.warnings(of)
     yield from open_values.warnings(problem.scene, found)
     for active in problem.scene.effects.values():
         yield from active.effect.warnings(found) if active.effect.warnings else ()
@@ -138,6 +142,20 @@ def _lost_to_suction(of: Evaluation) -> Iterator[str]:
             f"into the suction line, although in reality it {brings} the intake (name {remedy}, which takes that into "
             "account)"
         )
+
+
+def _warmed_from_outside(of: Evaluation) -> Iterator[str]:
+    """Yield a warning where walls of stated temperatures give the gas more heat than friction can bring them."""
+    parts, found, power = of.problem.parts, of.figures, of.figures["shaft_power"]
+    stated = [name for name, wall in parts.all(Wall) if not isinstance(wall.temperature, str)]
+    heat = found.get("wall_heat")
+    if not stated or heat is None or parts.geometry.expands or not power > 0.0:
+        return
+    friction = sum(found.get(loss.figure) or 0.0 for _, loss in parts.all(PowerLoss) if loss.friction)
+    if heat - friction > LOST_DRY * power:
+        what = f"the walls give the gas {1e-3 * heat:.3g} kW, more than the {1e-3 * friction:.3g} kW of friction there"
+        share = f"{(heat - friction) / power:.1%} of the shaft power comes in from outside the machine"
+        yield f"{what}: {share} (state colder walls in effects.{stated[0]})"
 
 
 def _oil_exceeds_chamber(of: Evaluation) -> Iterator[str]:

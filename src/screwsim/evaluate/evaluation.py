@@ -6,10 +6,8 @@ from dataclasses import dataclass, replace
 from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
 from screwsim.cycle.cycle_figures import (
     CycleFigures,
-    brought_by_oil,
     cycle_figures,
     lazy_pitch,
-    oil_lift,
     power_losses,
     shaft_power,
 )
@@ -88,19 +86,16 @@ class Evaluation:
     @once
     def circuit(self) -> Circuit | str | None:
         """The oil's circuit through separator and cooler; None where nothing needs it, a text where none is found."""
-        parts = self.problem.parts
-        lift = oil_lift(parts, self.known) if parts.oil is not None else 0.0
-        brought = brought_by_oil(self.problem, self.known) if parts.oil is not None and parts.geometry.expands else 0.0
-        return circuit_of(self.problem, self.life, self.q, self.losses, lift, brought)
+        return circuit_of(self)
 
     @once
     def read(self) -> Read:
         """The performance figures, and the reasons for those that are None."""
         self.known  # noqa: B018 - first: the steps below use it
         reach_station()
-        circuit = self.circuit
+        self.circuit  # noqa: B018
         reach_station()
-        return figures_of(self.problem, self.life, self.q, self.known, self.losses, circuit)
+        return figures_of(self)
 
     @once
     def package(self) -> Package | None:

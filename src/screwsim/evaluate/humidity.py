@@ -3,9 +3,11 @@
 Source: docs/model.md M327, M328, M361.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,8 +20,10 @@ from screwsim.evaluate.separator import Circuit
 from screwsim.fluid import water
 from screwsim.fluid.moist_air import DRIEST, MoistAir
 from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, R_TRAPPED
-from screwsim.model.trajectory import Array, Trajectory
 from screwsim.outputs.customary import celsius, in_celsius
+
+if TYPE_CHECKING:
+    from screwsim.evaluate.evaluation import Evaluation
 
 MARGIN = 5.0  # [K] above the pressure dew point, where the scene states none
 STEP = np.radians(2.0)  # between angles at which a chamber is checked for liquid
@@ -35,11 +39,12 @@ NO_DEW = (
 BLOWN_OFF = "the package delivers nothing: it blows off all that the machine delivers"
 
 
-def figures(
-    problem: Problem, life: Trajectory, streams: Array, found: Mapping[str, Any], circuit: Circuit | str | None
-) -> Given:
-    """Return the figures of moist air, or the reasons why there are none; nothing for a scene without humidity."""
-    gas, scene = problem.parts.gas, problem.scene
+def figures(of: Evaluation, found: Mapping[str, Any]) -> Given:
+    """Return the figures of moist air, or the reasons why there are none; nothing for a scene without humidity.
+
+    `found` has the figures known so far.
+    """
+    problem, gas, scene = of.problem, of.problem.parts.gas, of.problem.scene
     if scene.gas.relative_humidity is None:
         return {}
     wet = gas if isinstance(gas, MoistAir) else None
@@ -50,10 +55,10 @@ def figures(
         "humidity_ratio": 0.0 if wet is None else wet.humidity_ratio,
         "water_flow": brought,
         "pressure_dew_point": dew,
-        "chamber_condensate_share": 0.0 if wet is None else chamber_share(problem, wet, life),
+        "chamber_condensate_share": 0.0 if wet is None else chamber_share(of, wet),
         "lowest_safe_oil_temperature": dew if isinstance(dew, str) else dew + margin,
     }
-    T, out = outlet_temperature(found, circuit), _discharge_flow(problem, life, streams, circuit)
+    T, out = outlet_temperature(found, of.circuit), _discharge_flow(of)
     names = ("condensate_flow", "vapour_flow", "water_residual", AFTERCOOLER, PACKAGE_VAPOUR, PACKAGE_DEW)
     if T is None or not (out > 0.0 and found["gas_mass_flow"] > 0.0):
         return own | dict.fromkeys(names, NONE_LEAVES if T is None else NONE_DELIVERED)
@@ -100,17 +105,19 @@ def outlet_temperature(found: Mapping[str, Any], circuit: Circuit | str | None) 
     return circuit.parted.T_separator if isinstance(circuit, Circuit) else found.get("discharge_temperature")
 
 
-def _discharge_flow(problem: Problem, life: Trajectory, streams: Array, circuit: Circuit | str | None) -> float:
+def _discharge_flow(of: Evaluation) -> float:
     """Return the net flow to the discharge line [kg/s], by the flows through its ports."""
-    if isinstance(circuit, Circuit):
-        return circuit.outflow.gas_flow
+    if isinstance(of.circuit, Circuit):
+        return of.circuit.outflow.gas_flow
+    problem, life, streams = of.problem, of.life, of.streams
     leak = suction_line.leak(problem, life.R).gas
     returned = problem.suction.returned * suction_line.fresh_gas(problem, life.R, streams)
     return problem.rate * (-float(streams[DISCHARGE_IN, OF_GAS] + streams[DISCHARGE_OUT, OF_GAS]) - leak - returned)
 
 
-def chamber_share(problem: Problem, gas: MoistAir, life: Trajectory, below: float = np.inf) -> float:
+def chamber_share(of: Evaluation, gas: MoistAir, below: float = np.inf) -> float:
     """Return the largest liquid share of a chamber's trapped water, where it is colder than `below` [K] (M327)."""
+    problem, life = of.problem, of.life
     angles = np.arange(0.0, problem.parts.geometry.life, STEP)
     states, oil, trapped = life.states_at(angles), problem.parts.oil, float(life.R[R_TRAPPED])
     most = 0.0
@@ -126,11 +133,10 @@ def chamber_share(problem: Problem, gas: MoistAir, life: Trajectory, below: floa
     return min(most / (gas.share * trapped), 1.0) if trapped > 0.0 else 0.0
 
 
-def warnings(
-    problem: Problem, life: Trajectory, found: Mapping[str, Any], circuit: Circuit | str | None
-) -> Iterator[str]:
+def warnings(of: Evaluation) -> Iterator[str]:
     """Yield warnings where water condenses, or nearly does (M328)."""
-    gas, T, dew = problem.parts.gas, outlet_temperature(found, circuit), found.get("pressure_dew_point")
+    problem, found, gas = of.problem, of.figures, of.problem.parts.gas
+    T, dew = outlet_temperature(found, of.circuit), found.get("pressure_dew_point")
     if not isinstance(gas, MoistAir) or dew is None:
         return
     safe, flow = found["lowest_safe_oil_temperature"], found.get("condensate_flow")
@@ -153,7 +159,7 @@ def warnings(
     if share > WET:
         remedy = "mixed into its oil (use warmer oil)" if problem.parts.oil is not None else "(use drier or warmer air)"
         yield f"up to {share:.0%} of the water in a chamber is liquid {remedy}"
-        ice = chamber_share(problem, gas, life, water.T_TRIPLE)
+        ice = chamber_share(of, gas, water.T_TRIPLE)
         if ice > WET:
             yield (
                 f"up to {ice:.0%} of the water in a chamber condenses below 0 degC, and is modelled as liquid, not ice"

@@ -3,14 +3,16 @@
 Source: docs/model.md M280–M285, M343.
 """
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from screwsim.build import open_temperatures, package_of, separator_effects
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import incoming_oil, injection_pressure, streams_of, walls_of
+from screwsim.cycle.balances import incoming_oil, injection_pressure, walls_of
+from screwsim.cycle.cycle_figures import brought_by_oil, oil_lift
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import OilSolution, PowerLoss
 from screwsim.effects.base import Separator as SeparatorPart
@@ -19,7 +21,9 @@ from screwsim.fluid.separator import Separated, SeparatorInflow, separated
 from screwsim.inputs.faults import UsageError
 from screwsim.model import slots
 from screwsim.model.numbers import oil_places
-from screwsim.model.trajectory import Array, Trajectory
+
+if TYPE_CHECKING:
+    from screwsim.evaluate.evaluation import Evaluation
 
 NONE_LEFT = (
     "no net gas is delivered to leave the separator (choose smaller leaks, a higher speed or a lower pressure ratio)"
@@ -45,28 +49,28 @@ class Circuit(NamedTuple):
     unclosed: float
 
 
-def circuit_of(
-    problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float, brought: float
-) -> Circuit | str | None:
-    """Return the oil's circuit of a life with quadratures q; `brought` [W] is flow work that no own pump gave the oil.
+def circuit_of(of: Evaluation) -> Circuit | str | None:
+    """Return the oil's circuit of an evaluated life.
 
     None where nothing needs it, a text where it cannot be found. It is needed with effects.separator, where the
     scene states the separator's temperature (to compare its balance), and with moist air (where water separates
     from the oil).
     """
-    parts, scene = problem.parts, problem.scene
+    problem, parts, scene = of.problem, of.problem.parts, of.problem.scene
     part = next((part for _, part in parts.all(SeparatorPart)), None)
     asking = separator_effects(scene)
     if parts.oil is None or not (part or asking or isinstance(parts.gas, MoistAir)):
         return None
-    outflow = _outflow(problem, life, q, losses, lift)
-    outflow = outflow._replace(heating=outflow.heating + brought)  # an expander's oil comes with it (M490)
+    lift = oil_lift(parts, of.known)
+    outflow = _outflow(of, lift)
+    brought = brought_by_oil(problem, of.known) if parts.geometry.expands else 0.0  # an expander's oil (M490)
+    outflow = outflow._replace(heating=outflow.heating + brought)
     if not outflow.gas_flow > 0.0:
         return NONE_LEFT
     supply_open, separator_open = open_temperatures(scene)
 
-    def separation(of: SeparatorInflow) -> Separated:
-        return separated(of) if part is None else part.balance(of, supply_open)
+    def separation(inflow: SeparatorInflow) -> Separated:
+        return separated(inflow) if part is None else part.balance(inflow, supply_open)
 
     try:
         parted = separation(outflow)
@@ -75,7 +79,7 @@ def circuit_of(
         return f"the separator does not separate gas and oil: {error}"
     used = asking[0].separator_temperature if asking and separator_open else None
     change = 0.0 if used is None else found.T_separator - used
-    power = abs(problem.rate * float(q[slots.Q_WORK]) + lift + sum(losses.values()))
+    power = abs(problem.rate * float(of.q[slots.Q_WORK]) + lift + sum(of.losses.values()))
     unexplained = _unexplained_power(outflow, parted)
     shares = [abs(each) / max(power, 1e-300) for each in (found.open, outflow.oil_capacity * change, unexplained)]
     unclosed = abs(unexplained) / max(outflow.oil_capacity + outflow.gas_flow * parts.gas.c_p, 1e-300)
@@ -91,12 +95,13 @@ def _unexplained_power(outflow: SeparatorInflow, parted: Separated) -> float:
     return comes - goes
 
 
-def _outflow(problem: Problem, life: Trajectory, q: Array, losses: Mapping[str, float], lift: float) -> SeparatorInflow:
-    """Return the flows of a life with quadratures q into the separator (M280, M282)."""
+def _outflow(of: Evaluation, lift: float) -> SeparatorInflow:
+    """Return the flows of a life into the separator (M280, M282); `lift` [W] is the power that lifts the oil."""
+    problem, life, q, losses = of.problem, of.life, of.q, of.losses
     parts, c, rate, h_ref = problem.parts, problem.composition, problem.rate, problem.inlet.enthalpy
     oil = parts.oil
     assert oil is not None
-    streams = rate * streams_of(c, q)
+    streams = rate * of.streams
     gas = streams[:, slots.OF_GAS]
     beyond = (streams[:, slots.OF_ENERGY] - h_ref * gas).tolist()  # [W], relative to gas of the suction line
     leak = suction_line.leak(problem, life.R).times(rate)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.export.polynomials import Polynomials, document, temperature_limits
+from screwsim.export.polynomials import MISSING, Polynomials, document, temperature_limits
 from screwsim.outputs.us_units import BTU, POUND
 from screwsim.scene.operation import SUBCOOLING
 from screwsim.scene.units import ZERO_CELSIUS
@@ -21,7 +21,8 @@ _IP = {
     "heating_capacity": ("Btu/h", 3600.0 / BTU),
     "gas_mass_flow": ("lb/h", 3600.0 / POUND),
 }
-NOTES = ("in_si", "convention")  # of a document: what is in SI units; whose condensing temperatures are others
+# of a document: what is in SI units; whose condensing temperatures are others; which points of the sweep are left out
+NOTES = ("in_si", "convention", MISSING)
 HEAD_LINE = "table,map,figure,unit"  # of the coefficients' table
 RATED_STEPS = 6  # rated temperatures along each axis
 FOLLOWED = (("path", "values"), ("of", "at"))
@@ -77,6 +78,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
         f"# S evaporating (dew), D condensing ({found.condensing}) temperature, {degree}",
         *([f"# {other}"] if other else []),
         *(f"# {line}" for line in _condition_lines(found, ip)),
+        *(f"# {text}" for text in found.missing),
         *(f"# {name}: valid between the corners (S, D) {corners} {degree}" for name, corners in valid),
         f"{HEAD_LINE}," + ",".join(COEFFICIENT_NAMES) + ",largest_error,left_out_error",
     ]
@@ -134,5 +136,5 @@ def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
         said |= {key: said[key].replace("degC", "degF") for key in ("S", "D")}
         said["units"] = {figure: unit_of(found, figure, True)[0] for figure in found.units}
     other = other_condensing(found)
-    in_si, convention = NOTES
+    in_si, convention, _ = NOTES
     return said | {in_si: ["conditions", "follows", "at"]} | ({convention: other} if other else {}) | {"maps": maps}

@@ -141,7 +141,7 @@ def map_description(table: MapTable) -> dict[str, object]:
             {"name": each.name, "units": plain(each.units), "meaning": each.long_name, "error": known_error(error)}
             for each, error in zip(table.outputs, table.errors, strict=True)
         ],
-        "nodes": [[float(x) for x in one.at(u)] for one, u in zip(table.inputs, table.grid.nodes, strict=True)],
+        "nodes": [list(map(float, each)) for each in table.nodes],
         "nodes_without_closed_cycle": table.not_ok,
         "without_closed_cycle": {"where": table.where_open(), "why": table.why},
         "warnings": [{"cases": count, "text": text} for count, text in table.warnings],

@@ -29,6 +29,16 @@ class Grid:
     sound: Array
 
 
+def with_middles(x: Array) -> Array:
+    """Return increasing values and the middles between them."""
+    return np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])]))
+
+
+def points_of(axes: Sequence[Array]) -> Array:
+    """Return all points (n, axes) of a grid, the last axis fastest."""
+    return np.column_stack([each.ravel() for each in np.meshgrid(*axes, indexing="ij")])
+
+
 def grid_of(nodes: Sequence[Array], values: Array, sound: Array) -> Grid:
     """Return the interpolation of values (nodes …, outputs) over increasing axes; unsound nodes have no influence."""
     filled = _filled(values, sound)

@@ -40,6 +40,11 @@ class MapTable(Brief):
     about: dict[str, Any] = field(default_factory=dict)
 
     @property
+    def nodes(self) -> tuple[Array, ...]:
+        """The values [SI] of each input at the nodes."""
+        return tuple(one.at(u) for one, u in zip(self.inputs, self.grid.nodes, strict=True))
+
+    @property
     def not_ok(self) -> int:
         """The number of nodes without a closed cycle."""
         return int((~self.grid.sound).sum())
@@ -103,11 +108,11 @@ class MapTable(Brief):
     def where_open(self) -> str:
         """Return the inputs' ranges in which the nodes without a closed cycle lie; empty where that is everywhere."""
         found = []
-        for axis, (one, nodes) in enumerate(zip(self.inputs, self.grid.nodes, strict=True)):
+        for axis, (one, nodes) in enumerate(zip(self.inputs, self.nodes, strict=True)):
             others = tuple(other for other in range(len(self.inputs)) if other != axis)
             open_ = np.flatnonzero(~self.grid.sound.all(axis=others))
             if 0 < len(open_) < len(nodes):
-                low, high = (float(one.at(nodes[each])) for each in (open_[0], open_[-1]))
+                low, high = (float(nodes[each]) for each in (open_[0], open_[-1]))
                 ends = f"{low:.6g} … {high:.6g}" if high > low else f"{low:.6g}"
                 found.append(f"{one.name} {ends}{unit_after_number(one.units)}")
         return ", ".join(found)

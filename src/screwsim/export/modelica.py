@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from screwsim.export.hermite import Array, Grid, evaluate
+from screwsim.export.hermite import Array, Grid, evaluate, points_of
 from screwsim.export.inputs import Input, plain
 from screwsim.export.map_table import MapTable
 from screwsim.export.table import scales
@@ -68,8 +68,7 @@ def akima_differences(table: MapTable) -> Array:
 
     CombiTable2Ds interpolates so with continuous derivatives, whereas the map uses a spline.
     """
-    nodes = tuple(one.at(u) for one, u in zip(table.inputs, table.grid.nodes, strict=True))
-    values = table.grid.data[0, 0]
+    nodes, values = table.nodes, table.grid.data[0, 0]
     along = [_akima_slopes(x, values, axis) for axis, x in enumerate(nodes)]
     mixed = _akima_slopes(nodes[0], along[1], 0)
     akima = Grid(nodes, np.array([[values, along[1]], [along[0], mixed]]), table.grid.sound)
@@ -91,8 +90,7 @@ def _akima_slopes(x: Array, values: Array, axis: int) -> Array:
 
 def _mesh(table: MapTable) -> Array:
     """Return points of a regular grid over both inputs' ranges (n, inputs)."""
-    mesh = np.meshgrid(*(np.linspace(one.low, one.high, FINE_POINTS) for one in table.inputs), indexing="ij")
-    return np.column_stack([each.ravel() for each in mesh])
+    return points_of([np.linspace(one.low, one.high, FINE_POINTS) for one in table.inputs])
 
 
 def _quoted(text: str) -> str:
@@ -106,8 +104,7 @@ def _port(kind: str, each: Input | Figure, indent: str) -> str:
 
 def _tables(table: MapTable) -> str:
     one, two = table.inputs
-    nodes = [x.at(u) for x, u in zip(table.inputs, table.grid.nodes, strict=True)]
-    values = table.grid.data[0, 0]
+    nodes, values = table.nodes, table.grid.data[0, 0]
     lines = ['  model Tables "Figures by tables with continuous derivatives, held beyond their ranges"']
     lines += [_port("Input", each, "    ") for each in table.inputs]
     lines += [_port("Output", output, "    ") for output in table.outputs]
@@ -132,7 +129,7 @@ def _block(name: str, matrix: str, smoothness: str) -> str:
     return f"    {_TABLE} {name}(\n      smoothness={smoothness},\n      extrapolation={held},\n      table={matrix});"
 
 
-def _matrix(nodes: list[np.ndarray], values: np.ndarray) -> str:
+def _matrix(nodes: Sequence[np.ndarray], values: np.ndarray) -> str:
     rows = [[0.0, *nodes[1]], *([x, *row] for x, row in zip(nodes[0], values, strict=True))]
     return "[" + ";\n        ".join(", ".join(f"{float(v):.12g}" for v in row) for row in rows) + "]"
 

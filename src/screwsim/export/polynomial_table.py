@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from screwsim.export.hermite import Array, Grid, evaluate, slopes
+from screwsim.export.hermite import Array, Grid, evaluate, points_of, slopes, with_middles
 from screwsim.export.inputs import Input
 from screwsim.export.map_table import MapTable
 from screwsim.export.table import scales
@@ -32,8 +32,7 @@ def polynomial_table(table: MapTable, wanted: float | None = None) -> MapTable:
     temperatures = [paths.index(path) for path in check_inputs(table.inputs)]
     grid = _grid(table.grid, temperatures)
     # the points of the grid and those half-way between
-    finer = [np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])])) for x in table.grid.nodes]
-    points = np.column_stack([x.ravel() for x in np.meshgrid(*finer, indexing="ij")])
+    points = points_of([with_middles(x) for x in table.grid.nodes])
     there, inside = evaluate(table.grid, points)
     found, _ = evaluate(grid, points)
     off = np.abs(found - there)[inside] / scales(table.outputs, np.where(inside[:, None], there, np.nan))[inside]

@@ -55,6 +55,7 @@ class Polynomials:
     condensing: str = "bubble"  # to which point the condensing temperature refers: "dew" for a blend (M316)
     follows: tuple[dict[str, Any], ...] = ()  # what varies together with a temperature, and so within a map
     two: bool = False  # of two stages in series, before whose paths their stage stands
+    missing: tuple[str, ...] = ()  # what the maps have to do without, in words
 
     def name(self, one: PerformanceMap) -> str:
         """Return what distinguishes a map from the others, as part of a name: 'speed_308.923'."""
@@ -148,7 +149,8 @@ def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     from ruamel.yaml import YAML
 
     refuse_words(results, results.axis_list)
-    maps = tuple(one for one in performance_maps(results, figures) if not one.message)
+    every = performance_maps(results, figures)
+    maps = tuple(one for one in every if not one.message)
     varied = (one for axis in results.axis_list for one in axis.joined or (axis,))
     axes = {one.path: one.units for one in varied if one.path in maps[0].values}
     units = {name: results.figure(name).units for name in maps[0].fits}
@@ -156,8 +158,18 @@ def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     fluid = YAML(typ="safe", pure=True).load(alone.scene_yaml)["gas"]["fluid"]
     name, blend = (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
     title, point = title_on_one_line(results.attributes["title"]), "dew" if blend else "bubble"
-    about = units, conditions(results), axes, point, tuple(followers(results)), bool(results.stages)
+    about = units, conditions(results), axes, point, tuple(followers(results)), bool(results.stages), _missing(every)
     return Polynomials(title, name, maps, *about)
+
+
+def _missing(maps: Sequence[PerformanceMap]) -> tuple[str, ...]:
+    """Return in words which maps there are none of, and which points of the sweep the others have to do without."""
+    found = []
+    for one in maps:
+        at = f"at {place_in_words(one.values)}: " if one.values else ""
+        none = f"no map, {one.message}" if one.message else ""
+        found += [f"{at}{text}" for text in (none, one.missing_in_words) if text]
+    return tuple(found)
 
 
 def temperature_limits(one: PerformanceMap) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -193,6 +205,7 @@ def quadratic(
     return tuple(map(float, found)), float(np.max(np.abs(matrix @ found / wanted - 1.0)))
 
 
+MISSING = "missing"
 DOCUMENT_KEYS = ("title", "fluid", "formula", "S", "D", "units", "conditions", "follows")  # keys of a document
 
 
@@ -207,4 +220,5 @@ def document(found: Polynomials) -> dict[str, Any]:
         "units": found.units,
         "conditions": found.conditions,
         "follows": found.follows,
+        **({MISSING: list(found.missing)} if found.missing else {}),
     }

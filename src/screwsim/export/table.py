@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.export.hermite import Array, evaluate, grid_of
+from screwsim.export.hermite import Array, evaluate, grid_of, points_of, with_middles
 from screwsim.export.inputs import (
     FIGURES,
     Input,
@@ -99,7 +99,7 @@ def tabulated_map(
         apart = [np.max(_axis_error(nodes, values, sound, outputs, axis)[0]) for axis in range(len(nodes))]
         axis = int(np.argmax(apart))  # few nodes give large errors
         x = nodes[axis]
-        finer = np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])]))
+        finer = with_middles(x)
         if math.prod(len(x) if i != axis else len(finer) for i, x in enumerate(nodes)) > most:
             break
         known = _inserted(solve, inputs, nodes, axis, finer, known)
@@ -223,8 +223,7 @@ def _axis_error(
     dropped = np.setdiff1d(np.arange(len(nodes[axis])), kept)
     coarse = [x[kept] if i == axis else x for i, x in enumerate(nodes)]
     grid = grid_of(coarse, np.take(values, kept, axis), np.take(sound, kept, axis))
-    mesh = np.meshgrid(*[x[dropped] if i == axis else x for i, x in enumerate(nodes)], indexing="ij")
-    found, inside = evaluate(grid, np.column_stack([each.ravel() for each in mesh]))
+    found, inside = evaluate(grid, points_of([x[dropped] if i == axis else x for i, x in enumerate(nodes)]))
     there = inside & np.take(sound, dropped, axis).ravel()
     true = np.take(values, dropped, axis).reshape(-1, len(outputs))
     if not there.any():
@@ -324,7 +323,7 @@ def csv_table(table: MapTable) -> str:
     error = f"{table.error_in_words}; {linear}"
     lines = [f"# {table.title}{TITLE_SEPARATOR}{error}{followers_text(table.inputs)}"]
     lines.append(",".join([*heads, "closed"]))
-    nodes = [variable.at(u) for variable, u in zip(table.inputs, table.grid.nodes, strict=True)]
+    nodes = table.nodes
     values = table.grid.data[(0,) * len(nodes)]
     for place in itertools.product(*(range(len(x)) for x in nodes)):
         closed = bool(table.grid.sound[place])
@@ -341,9 +340,8 @@ def linear_difference(table: MapTable) -> float:
     """
     from scipy.interpolate import RegularGridInterpolator
 
-    nodes = [variable.at(u) for variable, u in zip(table.inputs, table.grid.nodes, strict=True)]
-    finer = [np.sort(np.concatenate([x, 0.5 * (x[1:] + x[:-1])])) for x in nodes]
-    x = np.column_stack([each.ravel() for each in np.meshgrid(*finer, indexing="ij")])
+    nodes = table.nodes
+    x = points_of([with_middles(each) for each in nodes])
     ours, inside = table(x)
     size = scales(table.outputs, np.where(inside[:, None], ours, np.nan))
     straight = RegularGridInterpolator(nodes, table.grid.data[(0,) * len(nodes)])(x)

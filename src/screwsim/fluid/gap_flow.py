@@ -77,7 +77,7 @@ def homogeneous(oil_ratio, density, oil_room):
 def mixture_passes(flux, oil_ratio, density, gap, passage, viscosity, oil_room):
     """Return the share of the gas nozzle's flux that passes with its oil, slowed by inertia and friction (M192)."""
     x = max(oil_ratio, 0.0)
-    slowed = 1.0 / math.sqrt((1.0 + x) * volume_share(density, x, oil_room))
+    slowed = homogeneous(x, density, oil_room)
     mixture_flux = max(flux * slowed * (1.0 + x), LEAST_FLUX)
     r = 12.0 * viscosity * passage / (mixture_flux * gap * gap)
     return slowed / (math.sqrt(1.0 + r * r) + r)

@@ -34,6 +34,10 @@ AUTO = "auto"  # word in a scene for a quantity to be found
 AREA, VOLUME = "area_m2", "volume_m3"  # column names of curves over the angle
 
 
+class ReplaceableDefault(float):
+    """A default that another value of the scene may replace, as long as the scene does not state it."""
+
+
 class DerivedCount(int):
     """A whole number that the scene does not state itself."""
 

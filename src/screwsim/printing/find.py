@@ -12,10 +12,10 @@ from screwsim.printing.tables import column_heads, print_scene_title, print_tabl
 from screwsim.printing.uncertain import by_inputs_line
 from screwsim.scene.grid import unit_of
 from screwsim.screen import say
-from screwsim.study.asked.inputs import shown_value, unit_of_change
+from screwsim.study.asked.inputs import shown_range, shown_value, unit_of_change
 from screwsim.study.asked.spans import BORDER_MARKS
 from screwsim.study.asked.varied import Varied, leaf_of
-from screwsim.study.columns import Column, write_columns
+from screwsim.study.columns import Column, error_column, figure_column, input_column, write_columns
 from screwsim.study.seek import VALUE_DIGITS, GoalSeekAnswer, Question
 from screwsim.study.seek.answer import Size
 
@@ -55,8 +55,7 @@ def print_find(scene: Varied, asked: Question, rows: Sequence[GoalSeekAnswer]) -
     """Print the values for each point of the other axes, the figures there, and remarks."""
     print_scene_title(scene.title)
     for span in asked.spans:
-        low, high = (shown_value(scene, span.path, end) for end in (span.low, span.high))
-        print_text(f"{span.path}, {low} … {high}")
+        print_text(f"{span.path}, {shown_range(scene, span.path, span.low, span.high)}")
     wanted = (f"{shown_name(goal.figure)} {figure_text(goal.figure, goal.value)}" for goal in asked.goals)
     print_text(f"for {' and '.join(wanted)}")
     say()
@@ -180,10 +179,7 @@ def _figures(asked: Question, row: GoalSeekAnswer) -> Iterator[tuple[str, str]]:
 
 def write_find(path: Path, scene: Varied, asked: Question, rows: Sequence[GoalSeekAnswer]) -> None:
     """Write one row per point of the other axes as CSV or HDF5, in SI units."""
-    columns = {}
-    for axis in rows[0].at:
-        leaf = leaf_of(scene, axis)
-        columns[axis] = Column([row.at[axis] for row in rows], unit_of(leaf) or "1", leaf.doc)
+    columns = {axis: input_column(leaf_of(scene, axis), [row.at[axis] for row in rows]) for axis in rows[0].at}
     for span in asked.spans:
         leaf = leaf_of(scene, span.path)
         units = unit_of(leaf)
@@ -195,10 +191,8 @@ def write_find(path: Path, scene: Varied, asked: Question, rows: Sequence[GoalSe
             what = "half of the 95 % interval by the tolerances of the scene's other inputs"
             columns[f"{span.path}_by_inputs"] = Column(due, units, what)
     for goal in asked.goals:
-        about = declared(goal.figure)
-        columns[goal.figure] = Column([row.figures.get(goal.figure) for row in rows], about.units, about.long_name)
-        errors = [row.errors.get(goal.figure) for row in rows]
-        columns[f"{goal.figure}_error"] = Column(errors, about.units, "its estimated numerical error, absolute")
+        columns[goal.figure] = figure_column(goal.figure, [row.figures.get(goal.figure) for row in rows])
+        columns[f"{goal.figure}_error"] = error_column(goal.figure, [row.errors.get(goal.figure) for row in rows])
     if asked.sizes:
         values = [None if row.size is None else row.size.value for row in rows]
         columns["size"] = Column(values, unit_of(leaf_of(scene, asked.spans[0].path)), "next size of the catalogue")

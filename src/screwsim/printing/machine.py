@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from screwsim.study.tolerance import ToleranceStudy
 
 TRACES = "startup.csv"
+UNITS = {"time": "s", "angle": "rad", "speed": "rad/s", "motor_speed": "rad/s", "twist": "rad"}  # else torques
 FIGURE_ROWS = (
     ("time", "s", 1.0),
     ("turns", "", 1.0),
@@ -57,12 +58,13 @@ def print_startup(title: str, found: StartUp) -> None:
 
 def protect_other_traces(path: Path) -> None:
     """Raise UsageError where a file at `path` does not hold such traces, as it would be lost."""
-    protect_others(path, b"time,angle,speed,")
+    protect_others(path, b"time [s],angle [rad],speed ", b"time,angle,speed,")  # and those of before
 
 
 def write_traces(path: Path, found: StartUp) -> str:
     """Write the traces as CSV, in SI units; return the path."""
-    return write_csv(path, found.traces, zip(*(trace.tolist() for trace in found.traces.values()), strict=True))
+    heads = [f"{name} [{UNITS.get(name, 'N m')}]" for name in found.traces]
+    return write_csv(path, heads, zip(*(trace.tolist() for trace in found.traces.values()), strict=True))
 
 
 def print_sheet(sheet: Sheet) -> None:

@@ -12,7 +12,7 @@ from screwsim.printing.tables import column_heads, print_scene_title, print_tabl
 from screwsim.printing.uncertain import by_inputs_line
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.screen import say
-from screwsim.study.asked.inputs import shown_number, shown_value
+from screwsim.study.asked.inputs import shown_number, shown_range, shown_value
 from screwsim.study.asked.spans import BORDER_MARKS, border_note, idle_note
 from screwsim.study.optimize import EquallyGoodRange, Optimum
 from screwsim.study.seek import VALUE_DIGITS
@@ -73,9 +73,8 @@ def print_optimize(found: Optimum) -> None:
     print_scene_title(asked.scene.title)
     senses = (f"{'lowest' if aim.minimum else 'highest'} {shown_name(aim.figure)}" for aim in asked.aims)
     over = "" if asked.points.single else f" over {asked.points.name}"
-    ends = {span.path: (span.low, span.high) for span in asked.spans}
-    shown = {path: [shown_value(asked.scene, path, end) for end in both] for path, both in ends.items()}
-    ranges = ", ".join(f"{path} {low} … {high}" for path, (low, high) in shown.items())
+    shown = (f"{span.path} {shown_range(asked.scene, span.path, span.low, span.high)}" for span in asked.spans)
+    ranges = ", ".join(shown)
     print_text(f"{' and '.join(senses)}{over}, varying {ranges}" if ranges else f"the scene itself{over}")
     for bound in asked.bounds:
         print_text(f"subject to {shown_name(bound.figure)} {bound.sign} {figure_text(bound.figure, bound.value)}")
@@ -119,6 +118,8 @@ def _print_best(found: Optimum) -> None:
     for path, reach in found.reach.items():
         if reach.border:
             print_text(f"{path}: {border_note(reach.border, reach.beyond)}")
+        elif reach.beyond:
+            print_text(f"{path}: at the edge of the values that have a solution: {reach.beyond}")
         if reach.idle:
             print_text(idle_note(path))
     for place, height in found.others:

@@ -11,11 +11,11 @@ from screwsim.outputs.display import grouped
 from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_text, print_wrapped
 from screwsim.scene.grid import unit_of
 from screwsim.screen import say
-from screwsim.study.asked.inputs import shown_number, shown_value
+from screwsim.study.asked.inputs import shown_number, shown_range, shown_value
 from screwsim.study.asked.spans import BORDER_MARKS, LOWER, UPPER, border_note, idle_note
 from screwsim.study.asked.varied import Varied, leaf_of
 from screwsim.study.best.optimum import FROM, TO, Best, Question
-from screwsim.study.columns import Column, write_columns
+from screwsim.study.columns import Column, figure_column, input_column, write_columns
 
 MOST_PLACES = 3  # points that a note names; of more it names the first
 
@@ -39,8 +39,8 @@ def optimum_document(scene: Varied, asked: Question, rows: Sequence[Best]) -> di
 def print_optimum(scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
     """Print one row per point of the other axes, then remarks on single ones."""
     word = "lowest" if asked.minimum else "highest"
-    ends = f"{shown_value(scene, asked.path, asked.low)} … {shown_value(scene, asked.path, asked.high)}"
     print_scene_title(scene.title)
+    ends = shown_range(scene, asked.path, asked.low, asked.high)
     print_text(f"{word} {shown_name(asked.figure)} over {asked.path}, {ends}")
     say()
     paths = [path for path in scene.sweep if path != asked.path]
@@ -102,10 +102,8 @@ def _notes(scene: Varied, asked: Question, row: Best) -> Iterator[str]:
 
 def write_optimum(path: Path, scene: Varied, asked: Question, rows: Sequence[Best]) -> None:
     """Write one row per point of the other axes as CSV or HDF5, in SI units."""
-    columns = {}
-    for axis in (axis for axis in scene.sweep if axis != asked.path):
-        leaf = leaf_of(scene, axis)
-        columns[axis] = Column([row.values[axis] for row in rows], unit_of(leaf) or "1", leaf.doc)
+    axes = (axis for axis in scene.sweep if axis != asked.path)
+    columns = {axis: input_column(leaf_of(scene, axis), [row.values[axis] for row in rows]) for axis in axes}
     sought = leaf_of(scene, asked.path)
     units, doc = unit_of(sought), sought.doc
     about = declared(asked.figure)
@@ -126,7 +124,7 @@ def write_optimum(path: Path, scene: Varied, asked: Question, rows: Sequence[Bes
     for name, (column, unit, meaning) in meanings.items():
         columns[column] = Column([getattr(row, name) for row in rows], unit, meaning)
     for name in _beside(rows):
-        about = declared(name)
-        columns[name] = Column([row.beside.get(name) for row in rows], about.units, f"{about.long_name}, at the best")
+        own = figure_column(name, [row.beside.get(name) for row in rows])
+        columns[name] = own._replace(long_name=f"{own.long_name}, at the best")
     columns["warnings"] = Column(["; ".join(row.warnings) for row in rows], "", "warnings of the best solution")
     write_columns(path, f"optimum of {asked.path}", columns)

@@ -111,6 +111,7 @@ def _units(results: Results, path: str) -> str:
 def _print_map(results: Results, one: PerformanceMap) -> None:
     if one.message:
         print_text(f"no map: {one.message}")
+        _print_missing(one.missing_in_words)
         return
     fits = one.fits.values()
     rows = [[name, *(f"{fit.coefficients[i]:.9e}" for fit in fits)] for i, name in enumerate(COEFFICIENT_NAMES)]
@@ -121,9 +122,15 @@ def _print_map(results: Results, one: PerformanceMap) -> None:
     heads = ["", *(f"{shown_name(figure)} [{results.figure(figure).units}]" for figure in one.fits)]
     print_table(heads, rows, 1)
     corners = ", ".join(f"({S:g}, {D:g})" for S, D in one.envelope)
-    left = f", {one.not_ok} more are not ok" if one.not_ok else ""
-    print_text(f"{one.points} points{left}; condition of the fit {one.condition:.2g}")
+    print_text(f"{one.points} points; condition of the fit {one.condition:.2g}")
+    _print_missing(one.missing_in_words)
     print_text(f"envelope (S, D): {corners} °C; the map is not valid outside it")
+
+
+def _print_missing(told: str) -> None:
+    """Print which points of the sweep a map does without, if any."""
+    if told:
+        print_text(told)
 
 
 def points_document(results: Results, points: Sequence[MapPoint]) -> dict[str, Any]:
@@ -152,6 +159,8 @@ def print_points(results: Results, points: Sequence[MapPoint]) -> None:
             for name, value in point.figures.items()
         ]
         say("\n".join(f"{name:<28}{number:>12}  {unit}{share}" for name, number, unit, share in rows))
+    for missing in dict.fromkeys(point.missing for point in points):
+        _print_missing(missing)
     _print_warnings(results)
 
 

@@ -12,7 +12,7 @@ from screwsim.printing.tables import print_scene_title, print_table, print_text,
 from screwsim.results.write import save
 from screwsim.scene import Scene
 from screwsim.screen import say
-from screwsim.study.asked.inputs import shown_value, unit_of_change, usual_efficiency
+from screwsim.study.asked.inputs import shown_range, shown_value, unit_of_change, usual_efficiency
 from screwsim.study.asked.varied import Varied, leaf_of
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.uncertainty.slopes import Sensitivities
@@ -59,10 +59,10 @@ def print_sensitivity(scene: Varied, found: Sensitivity) -> None:
             continue
         rows = []
         for index in sorted(shares.indices, key=lambda index: -index.total):
-            low, high = (shown_value(scene, index.path, getattr(spans[index.path], end), 4) for end in ("low", "high"))
+            span = spans[index.path]
             first = f"{index.first:.3f} ± {index.first_confidence:.3f}"
             total = f"{index.total:.3f} ± {index.total_confidence:.3f}"
-            rows.append([index.path, f"{low} … {high}", first, total])
+            rows.append([index.path, shown_range(scene, index.path, span.low, span.high, digits=4), first, total])
         print_table(["", "range", "first order", "total"], rows, 1)
     if any(shares.indices for shares in found.shares):
         say()

@@ -201,13 +201,13 @@ def has_content(path: Path) -> bool:
     return found.st_size > 0 or not stat.S_ISREG(found.st_mode)
 
 
-def protect_others(path: Path, begins: bytes) -> None:
-    """Raise UsageError where a non-empty file at `path` does not begin with `begins`, and so is of another kind."""
+def protect_others(path: Path, *begins: bytes) -> None:
+    """Raise UsageError where a non-empty file at `path` begins with none of `begins`, and so is of another kind."""
     check_target_kind(path)
     try:
         with path.open("rb") as stream:
-            found = stream.read(len(begins))
+            found = stream.read(max(map(len, begins)))
     except OSError:  # missing, or not readable: if it cannot be replaced either, that is reported then
         return
-    if found and found.lower() != begins.lower():
+    if found and not any(found.lower().startswith(each.lower()) for each in begins):
         raise UsageError(FOREIGN_FILE.format(path))

@@ -11,7 +11,6 @@ from typing import Any
 
 from screwsim.effects import catalogue
 from screwsim.inputs.arguments import FILE, TEXT, Kind, as_list, checked_arguments
-from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.suggestions import did_you_mean, nearest
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
@@ -21,11 +20,11 @@ from screwsim.scene.derived_values import with_derived_values
 from screwsim.scene.fields import gauge_texts, leaf_paths, scene_section
 from screwsim.scene.file_kinds import other_file
 from screwsim.scene.model_errors import BLOCK, read_model_error
-from screwsim.scene.sections import find_kind, read_effects, read_section
+from screwsim.scene.sections import find_kind, read_ambient, read_effects, read_section
 from screwsim.scene.sweep import read_sweep
-from screwsim.scene.tolerances import read_tolerances, split_tolerances
-from screwsim.scene.types import STANDARD_ATMOSPHERE, FixedDict, Scene
-from screwsim.scene.units import Refused, gauge_pressures_over, parse_quantity
+from screwsim.scene.tolerances import WrittenTolerance, read_tolerances, split_tolerances
+from screwsim.scene.types import FixedDict, Scene
+from screwsim.scene.units import gauge_pressures_over
 from screwsim.scene.values import shown
 from screwsim.scene.write import DICT_NAME, flow_text, scene_text, yaml_text
 from screwsim.scene.yaml_tree import (
@@ -133,8 +132,10 @@ def _finish(
         there = replace(start, rank=OVERRIDE + number, line=0, column=0)
         root = _override(root, override, there, problems, told + stage)
     root = _remove(root, without)
-    with gauge_pressures_over(_ambient(root)):
-        scene = _read(root, start.folder, problems)
+    root, given = split_tolerances(root)
+    root, ambient = read_ambient(root, problems)
+    with gauge_pressures_over(ambient):
+        scene = _read(root, given, start.folder, problems)
     if problems or scene is None:
         raise LocatedFaults(_of_stage(problem, stage) for problem in problems).error()
     return replace(scene, text=scene_text(scene))
@@ -338,20 +339,8 @@ def _paths(root: Node, kind: str) -> list[str]:
     return list(dict.fromkeys([*leaves, *above, *(f"effects.{name}" for name in known)]))
 
 
-def _ambient(root: Node) -> float | None:
-    """Return the ambient pressure [Pa] for a tree's gauge pressures; None where it is badly stated."""
-    stated = child_of(root, "operation", "ambient_pressure")
-    if stated is None or stated.value is None:
-        return STANDARD_ATMOSPHERE
-    try:
-        return parse_quantity(KINDS["pressure"], stated.value) if isinstance(stated.value, str) else None
-    except Refused:
-        return None
-
-
-def _read(root: Node, folder: str, problems: LocatedFaults) -> Scene | None:
+def _read(root: Node, given: Mapping[str, WrittenTolerance], folder: str, problems: LocatedFaults) -> Scene | None:
     """Return the typed scene, or None after faults were added; cross-checks wait until every field is valid."""
-    root, given = split_tolerances(root)
     kind = _machine_kind(root, problems)
     paths = _paths(root, kind)
     scene = read_section(scene_section(kind), root, "", problems, ("base", "effects", "sweep", BLOCK), paths)

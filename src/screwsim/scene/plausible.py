@@ -18,6 +18,7 @@ import numpy as np
 
 from screwsim.effects import catalogue
 from screwsim.effects.base import Effect
+from screwsim.effects.parts.oil import oil_in_chambers
 from screwsim.effects.parts.usual import LEAK, USUAL, Usual
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses, find_gas_model
@@ -222,7 +223,7 @@ def virial_compressibility(limits: constants.Limits, p: float, T: float) -> floa
 def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
     """Yield a warning where the oil is so cold that a real gas condenses on it at the higher pressure."""
     supply = scene.oil_supply
-    if supply is None or supply.temperature is None or not condenses(scene.gas) or not _oil_warming(scene.effects):
+    if supply is None or supply.temperature is None or not condenses(scene.gas) or not oil_in_chambers(scene.effects):
         return
     at, line = lines(scene), "suction" if scene.machine.expands else "discharge"
     p = max(at.p_s, at.p_d)
@@ -245,11 +246,6 @@ def _films(scene: Scene) -> Iterator[tuple[str, str]]:
             reach = f"{in_celsius(known.low)} to {in_celsius(known.high)}"
             what = f"the viscosity of {scene.oil.name} is known from {reach}, and extrapolated to {in_celsius(T)}"
             yield f"effects.{name}.film_temperature", what
-
-
-@IdentityCache
-def _oil_warming(effects: Mapping[str, ActiveEffect]) -> bool:
-    return any("T_oil" in active.effect.states for active in effects.values())
 
 
 # ---- what is omitted ------------------------------------------------------------------------------------------

@@ -7,11 +7,11 @@ from typing import Any
 from screwsim.effects import catalogue, find_effect
 from screwsim.effects.base import Effect
 from screwsim.machine.kinds import find_machine
-from screwsim.scene.fields import Leaf, Section, section_of, stray_key, unknown_key
-from screwsim.scene.types import ActiveEffect
+from screwsim.scene.fields import AMBIENT, Leaf, Section, catalogue_leaves, section_of, stray_key, unknown_key
+from screwsim.scene.types import STANDARD_ATMOSPHERE, ActiveEffect
 from screwsim.scene.units import Refused, customary_unit
 from screwsim.scene.values import convert, describe_leaf, imported, shown
-from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Node, join
+from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Node, child_of, join
 
 OFF_WORDS = ("off", "no", "false")
 
@@ -76,6 +76,22 @@ def read_leaf(leaf: Leaf, node: Node, path: str, problems: LocatedFaults) -> Any
     with problems.at(node.place, path):
         return convert(leaf, node.value, node.place.folder)
     return None
+
+
+def read_ambient(root: Node, problems: LocatedFaults) -> tuple[Node, float]:
+    """Return a scene's tree and its ambient pressure [Pa], over which gauge pressures are read.
+
+    Where it is badly stated its fault is added, and the tree is without it: gauge pressures are not to blame.
+    """
+    stated = child_of(root, *AMBIENT.split("."))
+    if stated is None or stated.value is None:
+        return root, STANDARD_ATMOSPHERE
+    found = read_leaf(catalogue_leaves()[AMBIENT], stated, AMBIENT, problems)
+    if found is not None:
+        return root, found
+    section, _, name = AMBIENT.partition(".")
+    rest = {key: child for key, child in root.value[section].value.items() if key != name}
+    return replace(root, value={**root.value, section: replace(root.value[section], value=rest)}), STANDARD_ATMOSPHERE
 
 
 def read_effects(node: Node | None, problems: LocatedFaults) -> dict[str, ActiveEffect]:

@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from screwsim.inputs.declare import is_derived
+from screwsim.inputs.declare import ReplaceableDefault, is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.scene.fields import Leaf, Section, leaves_of, scene_section, section_of
 from screwsim.scene.grid import Swept, dimensions
@@ -22,7 +22,8 @@ DICT_NAME = "<dict>"  # takes the place of a file name in messages
 def scene_text(scene: Scene) -> str:
     """Return the YAML text that, together with its curve files, reproduces the scene.
 
-    Absent values, and values that follow from others, are left out.
+    Absent values are left out, and those that follow from others or that another value may replace; other defaults are
+    written.
     """
     lines = list(_section(scene_section(scene.machine.kind), scene, scene, ("", "")))
     lines.append("effects:" if scene.effects else "effects: {}")
@@ -72,7 +73,7 @@ def _section(section: Section, value: Any, scene: Scene, at: tuple[str, str]) ->
     indent, above = at
     for name, item in section.fields.items():
         part = getattr(value, name)
-        if part is None or is_derived(part):
+        if part is None or is_derived(part) or isinstance(part, ReplaceableDefault):
             continue
         if isinstance(item, Section):
             inner = list(_section(item, part, scene, (indent + "  ", f"{above}{name}.")))

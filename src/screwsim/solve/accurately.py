@@ -70,17 +70,18 @@ def solve(
 
     Nothing is estimated for a cycle that did not close, that a check closed, or where the scene says
     `numerics.error: none`. A course provides the guess; recording the cycle there is left to the caller. A cycle
-    that is `given` is closed already.
+    that is `given` is closed already, or is what closing from this course left open: then only fallbacks are tried.
     """
     numerics, watch = problem.scene.numerics, CostMeter(machinery)
     tightness = 1.0 if course is None else course.tightness
     criteria = criteria_of(problem, tightness)
-    if given is None:
-        task = ClosingTask(problem, machinery, criteria)
-        cycle = close_with_drive(task, _close_with_fallbacks(task, course))
-    else:
-        cycle = given
+    if given is not None:
         machinery.put(given.trajectory)
+    if given is not None and given.closed:
+        cycle = given
+    else:
+        task = ClosingTask(problem, machinery, criteria)
+        cycle = close_with_drive(task, _close_with_fallbacks(task, course, given))
     reach_station()
     of, errors, largest = evaluate(problem, cycle), Figures(), 0.0
     watch.lap()
@@ -149,13 +150,13 @@ def _tighter(
     return close_with_drive(task, close_again(task, cycle, led))
 
 
-def _close_with_fallbacks(task: ClosingTask, course: Course | None) -> CycleSolution:
-    """Close the cycle, by fallbacks where the first way fails and the scene allows them.
+def _close_with_fallbacks(task: ClosingTask, course: Course | None, left_open: CycleSolution | None) -> CycleSolution:
+    """Close the cycle, by fallbacks where the first way fails, or has `left_open` a cycle, and the scene allows them.
 
     A gas outside its equation of state stays there, so nothing further is tried. Where no fallback closes the
     cycle, the first way's result is returned.
     """
-    cycle, criteria = close(task, course), task.criteria
+    cycle, criteria = left_open or close(task, course), task.criteria
     if cycle.closed or criteria.check or not criteria.fallbacks or _outside_gas_range(task.problem, cycle):
         return cycle
     for name, attempt in fallbacks(task, cycle.change):

@@ -27,6 +27,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.model import leases
 from screwsim.model.run import Machinery
 from screwsim.outputs import Figures
+from screwsim.outputs.variables import NOT_CLOSED
 from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Cost, CostMeter, criteria_of, record_in_course, solve
 from screwsim.solve.drive import at_motor_speed, close_with_drive
 from screwsim.solve.surroundings import (
@@ -82,6 +83,7 @@ class SurroundingsSearch:
     expected: float = FIRST_OPEN  # residual of the next cycle
     contracts: float = CONTRACTION  # expected ratio of residuals over a step
     cycle: CycleSolution | None = None  # the last cycle; None where it was closed less tightly than the scene asks
+    left_open: tuple[Problem, CycleSolution] | None = None  # the last that closing as asked left open, and its problem
 
     def step(self, x: Array, asked: ImpliedSurroundings) -> Array:
         """Return the next change of the unknowns [K, kPa] from x by Broyden's method.
@@ -95,7 +97,8 @@ class SurroundingsSearch:
             moved, change = x - self.last.x, off - self.last.off
             self.jacobian = _learnt(self.jacobian, change, moved, _weight(moved, wrong, self.last.wrong))
         self.last = _Seen(x, off, wrong)
-        found = -np.linalg.solve(self.jacobian, off)
+        free, found = asked.free, np.zeros(len(off))  # an unknown held at its end must not leave with the others
+        found[free] = -np.linalg.solve(self.jacobian[np.ix_(free, free)], off[free])
         largest = float(np.max(np.abs(found)))
         return found * min(1.0, LONGEST_STEP / largest) if largest > 0.0 else found
 
@@ -132,7 +135,10 @@ class SurroundingsSearch:
         watch, asked = CostMeter(machinery), criteria_of(problem, self.course.tightness)
         criteria = _rough_criteria(asked, self.expected)
         task = ClosingTask(problem, machinery, criteria)
-        cycle = close_with_drive(task, close(task, course))
+        first = close(task, course)
+        if criteria is asked and course is self.course and first.status == NOT_CLOSED:
+            self.left_open = problem, first
+        cycle = close_with_drive(task, first)
         watch.lap()
         self.cost = self.cost.plus(watch.cost)
         leases.give_back(machinery)
@@ -147,6 +153,12 @@ class SurroundingsSearch:
     def judge(self, cycle: CycleSolution, criteria: ClosingCriteria) -> None:
         """Take over how far off what a cycle shows may be, by what it leaves open."""
         self.noise = NOISE * max(cycle.change, cycle.residual * criteria.bound)
+
+    def known_open(self, problem: Problem) -> CycleSolution | None:
+        """Return what closing this problem as asked has left open; None where it is not known."""
+        if self.left_open is None or self.left_open[0] is not problem:
+            return None
+        return self.left_open[1]
 
     def closed_as_asked(self, of: Evaluation) -> Evaluation | None:
         """Return a cycle closed as accurately as asked; None where it was closed so, or does not close."""
@@ -251,7 +263,17 @@ def _first_cycle(search: SurroundingsSearch, problem: Problem, expected: Array |
             break
         other = search.posed(problem, guess + warmer * (np.arange(len(guess)) < 2))
         of = None if other is None else search.closed(other, course)
-    return of
+    return of if of is None or implied_surroundings(of) is not None else _cautious_cycle(search, of) or of
+
+
+def _cautious_cycle(search: SurroundingsSearch, of: Evaluation) -> Evaluation | None:
+    """Return a cycle with cautious guesses of the open numbers, instead of one that implies nothing (no net flow)."""
+    x, cautious = unknowns_of(of.problem), open_values.cautious_coordinates(of.problem.scene)
+    if not cautious:
+        return None
+    x[len(x) - len(cautious) :] = cautious
+    posed = search.posed(of.problem, x)
+    return None if posed is None else search.closed(posed, search.series.course)
 
 
 def steady_state(problem: Problem, series: Series) -> tuple[Problem, SurroundingsSearch | None]:
@@ -301,7 +323,7 @@ def solve_with_surroundings(
     """
     if search is None:
         return solve(problem, machinery, course)
-    accurate = solve(problem, machinery, search.course, search.cycle)
+    accurate = solve(problem, machinery, search.course, search.cycle or search.known_open(problem))
     errors, tightness, cost = _with_unknowns(accurate, search), 1.0, search.cost
     for _ in range(MOST_REPETITIONS):
         asked = implied_surroundings(accurate.evaluation)

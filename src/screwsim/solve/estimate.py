@@ -40,7 +40,7 @@ from screwsim.solve.misread_intake import misread_by_all, misread_intake, misrea
 from screwsim.solve.missed_neighbours import missed_neighbour_errors
 from screwsim.solve.open_balances import later_warming_errors, open_balance_errors
 from screwsim.solve.sums_met_twice import sums_met_twice
-from screwsim.solve.swings import Curves, curves_of, swing_errors
+from screwsim.solve.swings import Solution, solution_of, swing_errors
 
 WHOLE = 1.0 / (1.0 - NARROWER**0.5)  # error over the change, where the error is the regularisation's, going as ε^½
 LEAKY_BELOW = 0.5  # volumetric efficiency below which an error of waveform relaxation persists for many turns
@@ -59,21 +59,22 @@ def estimated_errors(
     The second value is where finer lives have led, if the machinery now stands there, or the finer cycle that a
     search closed; otherwise None.
     """
-    found, curves = of.figures, curves_of(of)
+    here = solution_of(of)
+    found = here.figures
     reach_station()
     narrower = replace(criteria, widths=tuple(NARROWER * width for width in criteria.widths))
     request = EstimateRequest(of, machinery, narrower, cycle)
     finer = _finer_solutions(request)
-    if not finer.figures:
+    if not finer.solutions:
         return Figures(dict.fromkeys(found)), None
     reach_station()
     finer_life = machinery.trajectory
-    errors = _errors_shown(of, finer, curves, hides_flow=request.filling < LEAST_DELIVERY)
+    errors = _errors_shown(of, here, finer, hides_flow=request.filling < LEAST_DELIVERY)
     c = of.problem.composition
     told = c.chambers == 1 or way_of(cycle).whole or finer.left is not None  # feedback through other chambers seen
     among_leaks = not told and request.filling < LEAKY_BELOW  # leaks dominate: errors pass from turn to turn
     whole = WHOLE * ((LEAKY_FACTOR if request.filling > 0.0 else NO_DELIVERY_FACTOR) if among_leaks else 1.0)
-    left = cycle.left if len(finer.figures) == 1 else 0.0  # a second life shows it
+    left = cycle.left if len(finer.solutions) == 1 else 0.0  # a second life shows it
     flows = {name for name, about in found.about.items() if about.by_flow}  # of which a corrected life shows nothing
     for name, size in errors.items():
         if size is not None:
@@ -84,7 +85,7 @@ def estimated_errors(
     if _closed_on_noise(request):
         lost_flow["by_flow"] = max(lost_flow.get("by_flow", 0.0), cycle.change / abs(request.filling))
     lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
-    unpaced = cycle.contraction >= 1.0 and len(finer.figures) == 1
+    unpaced = cycle.contraction >= 1.0 and len(finer.solutions) == 1
     warming = later_warming_errors(of, cycle) if unpaced else Figures()
     for each in (*lost_now, *open_balance_errors(of, cycle), warming, *_misread(request, finer_life, finer, errors)):
         for name, size in each.items():
@@ -137,39 +138,38 @@ def _finer_solutions(request: EstimateRequest) -> FinerSolutions:
         finer = ESTIMATES[name](request)
         if finer.enough:
             return finer
-        found = finer if finer.figures else found
+        found = finer if finer.solutions else found
     return found._replace(corrected_state=None)
 
 
-def _errors_shown(of: Evaluation, finer: FinerSolutions, curves: Curves, hides_flow: bool) -> Figures:
+def _errors_shown(of: Evaluation, here: Solution, finer: FinerSolutions, hides_flow: bool) -> Figures:
     """Return the error of each figure as finer solutions show it: their largest change, plus those of further lives.
 
     Two lives may agree with the closed one by chance, each in another figure, so the largest change counts; a swing
-    changes by no less than its curve among `curves` does. Later lives continue the last one's change as a geometric
-    series with the ratio of the last two changes. A corrected life is at the limit of all lives, up to what its
-    correction left; earlier lives are only on the way there. But where leaks hide the net flow (`hides_flow`), it is a
-    small difference of flows that scatters from life to life: the largest change counts with what goes with it.
+    changes by no less than its curve does. Later lives continue the last one's change as a geometric series with the
+    ratio of the last two changes. A corrected life is at the limit of all lives, up to what its correction left;
+    earlier lives are only on the way there. But where leaks hide the net flow (`hides_flow`), it is a small difference
+    of flows that scatters from life to life: the largest change counts with what goes with it.
     """
-    lives, left = finer.figures, finer.left
-    solutions = [*zip([of.figures, *lives], [curves, *(finer.curves or [{}] * len(lives))], strict=True)]
-    errors = _distances(of, solutions[0], solutions[-1])
+    lives, left = finer.solutions, finer.left
+    errors = _distances(of, here, lives[-1])
     with_flow = {name for name, about in of.figures.about.items() if hides_flow and about.by_flow}
-    for each in solutions[1:-1] if left is None or hides_flow else ():
-        for name, size in _distances(of, solutions[0], each).items():
+    for each in lives[:-1] if left is None or hides_flow else ():
+        for name, size in _distances(of, here, each).items():
             if (left is None or name in with_flow) and size is not None and errors[name] is not None:
                 errors[name] = max(errors[name], size)
     if len(lives) > 1:
         again = min(repeated_share(changes(of, lives)) if left is None else left, LARGEST_RATIO)
-        for name, size in _distances(of, *solutions[-2:]).items():
+        for name, size in _distances(of, *lives[-2:]).items():
             if size is not None and errors[name] is not None:
                 errors[name] += size * again / (1.0 - again)
     return errors
 
 
-def _distances(of: Evaluation, found: tuple[Figures, Curves], better: tuple[Figures, Curves]) -> Figures:
+def _distances(of: Evaluation, found: Solution, better: Solution) -> Figures:
     """Return the relative errors of the figures beside better ones; those of swings are no less than their curves'."""
-    sizes = relative_errors(found[0], better[0], *of.least)
-    for name, size in swing_errors(*found, better[1]).items():
+    sizes = relative_errors(found.figures, better.figures, *of.least)
+    for name, size in swing_errors(*found, better.curves).items():
         if sizes.get(name) is not None:
             sizes[name] = max(sizes[name], size)
     return sizes

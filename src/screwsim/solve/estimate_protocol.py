@@ -15,8 +15,7 @@ from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSoluti
 from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.model.run import Machinery
-from screwsim.outputs import Figures
-from screwsim.solve.swings import Curves
+from screwsim.solve.swings import Solution
 
 Array = np.ndarray
 FINER = 0.25  # factor on the tolerance of a step in a life that estimates errors
@@ -62,21 +61,20 @@ class EstimateRequest(NamedTuple):
 
 
 class FinerSolutions(NamedTuple):
-    """The figures of consecutive finer solutions; `enough`: they determine the limit of all later ones.
+    """Consecutive finer solutions; `enough`: they determine the limit of all later ones.
 
     `left` is the share of the first one's change that Newton's correction left to the second. The last entry may be
     read from a correction instead of a life: `flow` is then its change of the net flow, `corrected_state` where the
-    machinery stands. `cycle` is the finer cycle that a search closed, which the machinery then holds. `curves` are
-    those of each solution whose swings are figures. `q` are the quadratures of one that all chambers together closed.
+    machinery stands. `cycle` is the finer cycle that a search closed, which the machinery then holds. `q` are the
+    quadratures of one that all chambers together closed.
     """
 
-    figures: Sequence[Figures]
+    solutions: Sequence[Solution]
     enough: bool = True
     left: float | None = None
     flow: float = 0.0
     corrected_state: CorrectedState | None = None
     cycle: CycleSolution | None = None
-    curves: Sequence[Curves] = ()
     q: Array | None = None
 
 

@@ -27,7 +27,7 @@ from screwsim.model.slices import INSIDE
 from screwsim.model.turn_scheduler import reach_station
 from screwsim.outputs import Figures
 from screwsim.solve.estimate_protocol import FINER, NO_SOLUTIONS, EstimateRequest, FinerSolutions
-from screwsim.solve.swings import Curves, curves_of
+from screwsim.solve.swings import Solution, solution_of
 
 TWO_LIVES_BELOW = 1e-4  # wanted accuracy up to which two lives estimate
 LEAKAGE_DOMINATES = 0.75  # volumetric efficiency below which leaks dominate, and two lives estimate
@@ -65,12 +65,13 @@ def finer_lives(request: EstimateRequest) -> FinerSolutions:
         corrected = lives.next()
         if not corrected:
             return NO_SOLUTIONS
-    return lives.read(FinerSolutions(lives.figures, left=lives.left() if corrected else None, curves=lives.curves))
+    return lives.read(FinerSolutions(lives.solutions, left=lives.left() if corrected else None))
 
 
-def changes(of: Evaluation, finer: Sequence[Figures]) -> list[Figures]:
+def changes(of: Evaluation, finer: Sequence[Solution]) -> list[Figures]:
     """Return the relative changes of the figures from each solution to the next, starting from the closed cycle."""
-    return [relative_errors(old, new, *of.least) for old, new in pairwise([of.figures, *finer])]
+    figures = [of.figures, *(each.figures for each in finer)]
+    return [relative_errors(old, new, *of.least) for old, new in pairwise(figures)]
 
 
 def repeated_share(steps: Sequence[Figures]) -> float:
@@ -131,8 +132,7 @@ def _next_life(request: EstimateRequest) -> FinerSolutions:
         return NO_SOLUTIONS
     machinery.swap()
     reach_station()
-    life = evaluate_life(request.problem, machinery.trajectory, q)
-    return FinerSolutions([life.figures], curves=[curves_of(life)])
+    return FinerSolutions([solution_of(evaluate_life(request.problem, machinery.trajectory, q))])
 
 
 class _Lives:
@@ -144,15 +144,14 @@ class _Lives:
         machinery.composition.P[machinery.composition.widths] = criteria.widths
         self.corrections = Corrections(request.problem, machinery, cycle.tangents)
         self.unknowns_in = self.unknowns_out = unknowns(request.problem, machinery)
-        self.figures: list[Figures] = []
-        self.curves: list[Curves] = []
+        self.solutions: list[Solution] = []
         self.correction: Correction | None = None  # of the last life
         self.changes: list[float] = []  # of states and unknowns over each life
 
     def next(self) -> bool:
         """Integrate one more life; return whether it completed."""
         problem, machinery = self.of.problem, self.machinery
-        if self.figures:
+        if self.solutions:
             self.unknowns_in = self.unknowns_out
             set_unknowns(problem, machinery, self.unknowns_in)
         self.start, self.steps = along(machinery, self.y), int(machinery.kept[1])
@@ -161,8 +160,7 @@ class _Lives:
             return False
         machinery.swap()
         life = evaluate_life(problem, machinery.trajectory, self.q)
-        self.figures.append(life.figures)
-        self.curves.append(curves_of(life))
+        self.solutions.append(solution_of(life))
         self.unknowns_out = problem.entries.possible(life.image)
         self.end = along(machinery, self.y)
         moved = WEIGHT * float(np.max(np.abs(self.end - self.start)))
@@ -208,21 +206,20 @@ class _Lives:
         led = CorrectedState(self.y, (float(machinery.R[slots.R_TRAPPED]), float(life.q[slots.Q_WORK])))
         return self.read(
             FinerSolutions(
-                [*self.figures, life.figures],
+                [*self.solutions, solution_of(life)],
                 left=wrong,
                 flow=max(abs(by.mass) * max(1.0, trapped / max(sucked, 1e-300)), passed),
                 corrected_state=led,
-                curves=[*self.curves, curves_of(life)],
             )
         )
 
     def repeated(self) -> float:
         """Return the ratio of the last life's change to that of the one before."""
-        return repeated_share(changes(self.of, self.figures))
+        return repeated_share(changes(self.of, self.solutions))
 
     def read(self, finer: FinerSolutions) -> FinerSolutions:
         """Return finer solutions marked with whether they determine the limit of all later ones."""
-        steps = changes(self.of, finer.figures)
+        steps = changes(self.of, finer.solutions)
         small = worst(steps[-1])[1] < LAST_CHANGE * self.of.problem.scene.numerics.accuracy
         again = repeated_share(steps) if finer.left is None else finer.left
         return finer._replace(enough=small or again < QUICK_CONVERGENCE)
@@ -246,8 +243,7 @@ def chambers_together(request: EstimateRequest) -> FinerSolutions:
     )
     finer = close_together(ClosingTask(problem, machinery, criteria), chambers_at_pitches(machinery))
     if finer.closed:
-        better = evaluate(problem, finer)
-        return FinerSolutions([better.figures], curves=[curves_of(better)])
+        return FinerSolutions([solution_of(evaluate(problem, finer))])
     machinery.put(cycle.trajectory)
     return NO_SOLUTIONS
 
@@ -271,10 +267,9 @@ def closed_again(request: EstimateRequest) -> FinerSolutions:
         finer = way_of(cycle).finer(task, start, MOST_OF_A_TRY)
     if finer is None or not finer.closed:
         return NO_SOLUTIONS
-    better = evaluate(problem, finer)
     searched = finer if finer.needed == FALLBACK_NAME else None
     together = finer.q if way_of(finer).whole else None
-    return FinerSolutions([better.figures], cycle=searched, curves=[curves_of(better)], q=together)
+    return FinerSolutions([solution_of(evaluate(problem, finer))], cycle=searched, q=together)
 
 
 def _with_moved_amounts(request: EstimateRequest) -> CycleSolution:

@@ -18,7 +18,7 @@ from screwsim.cycle.guess import install_first_guess
 from screwsim.cycle.problem import ClosingTask, Problem
 from screwsim.cycle.relaxation import relax
 from screwsim.cycle.solution import CycleSolution, Expectation, Start
-from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model.run import Machinery
 from screwsim.solve.accurately import Accurate
@@ -34,12 +34,13 @@ FINER = 0.1  # factor on the wanted tolerance of a step when turns are continued
 FIGURE_TEXTS = {"volumetric_efficiency": "a volumetric efficiency of {:.4g}", "gas_mass_flow": "{:.4g} kg/s of gas"}
 
 
-def warnings(of: Evaluation, machinery: Machinery, accurate: Accurate) -> Iterator[str]:
+def warnings(machinery: Machinery, accurate: Accurate) -> Iterator[str]:
     """Yield a warning where a closed cycle is not the only one; the machinery's last history is then arbitrary.
 
     The second closing is by waveform relaxation, within its usual bound on evaluations.
     """
-    problem, figures, beside = of.problem, of.figures, nearly_closed_apart(of.problem, accurate.cycle)
+    of, problem, figures = accurate.evaluation, accurate.evaluation.problem, accurate.evaluation.figures
+    beside = nearly_closed_apart(problem, accurate.cycle)
     if beside is not None:
         machinery.put(beside.trajectory)
         start = Start(beside.y.copy(), Expectation(beside.seen, beside.change))

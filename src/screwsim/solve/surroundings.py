@@ -25,12 +25,14 @@ class ImpliedSurroundings(NamedTuple):
     """The surroundings that a cycle implies, relative to those it was closed with.
 
     `off` [K, kPa] are the differences of the unknowns, `share` is the response of the separator temperature to the
-    supply's, `open` the residual over the shaft power or over a pressure.
+    supply's, `open` the residual over the shaft power or over a pressure, `free` the unknowns that are not held at an
+    end of their range.
     """
 
     off: Array
     share: float
     open: float
+    free: Array
 
 
 def unknowns_of(problem: Problem) -> Array:
@@ -48,6 +50,7 @@ def implied_surroundings(of: Evaluation) -> ImpliedSurroundings | None:
     if isinstance(circuit, str):
         return None
     off, share, open_ = [0.0, 0.0], 0.0, 0.0
+    held: list[bool] = []
     if circuit is not None:
         off, share, open_ = [circuit.supply, circuit.separator], circuit.parted.share if both else 0.0, circuit.open
     if package is not None:
@@ -57,7 +60,9 @@ def implied_surroundings(of: Evaluation) -> ImpliedSurroundings | None:
         if others is None:
             return None
         off, open_ = [*off, *(each.off for each in others)], max(open_, *(each.open for each in others))
-    return ImpliedSurroundings(np.array(off), share, open_)
+        held = [each.held for each in others]
+    free = np.array([True] * (len(off) - len(held)) + [not each for each in held])
+    return ImpliedSurroundings(np.array(off), share, open_, free)
 
 
 def _implied_open_values(of: Evaluation) -> list[open_values.CoordinateChange] | None:

@@ -5,6 +5,7 @@ Source: docs/model.md M41; docs/explanation/errors.md.
 
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +17,15 @@ from screwsim.outputs import Figures
 Curves = Mapping[str, np.ndarray]  # by figure: the curve over a pitch, at even angles, whose swing or mean square it is
 
 
-def curves_of(of: Evaluation) -> Curves:
-    """Return the curves of a life whose swings and squares its scene calls for; empty where it calls for none."""
+class Solution(NamedTuple):
+    """The figures of a closed cycle, or of a life near it, and the curves of those that are swings or mean squares."""
+
+    figures: Figures
+    curves: Curves
+
+
+def solution_of(of: Evaluation) -> Solution:
+    """Return the figures of an evaluation, and the curves of the swings and squares that its scene calls for."""
     about, parts = of.figures.about, of.problem.parts
     found: dict[str, np.ndarray] = {}
     for _, part in parts.all(Reading):
@@ -30,7 +38,7 @@ def curves_of(of: Evaluation) -> Curves:
                 found[name] = traces[swing]
             elif squared and set(squared) <= traces.keys():
                 found[name] = traces[squared[0]] - traces[squared[1]]
-    return found
+    return Solution(of.figures, found)
 
 
 def swing_errors(figures: Figures, found: Curves, better: Curves) -> Figures:

@@ -6,12 +6,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.figures import declared
 from screwsim.outputs import Variable
 from screwsim.results.atomic import make_folder, replacing, write_csv
 from screwsim.results.guarded import new_hdf5
 from screwsim.results.netcdf import Layout, number_attributes, set_attributes, text_lines
 from screwsim.results.protection import protect_other_hdf5, protect_other_heads
 from screwsim.results.schema import variable_name
+from screwsim.scene.fields import Leaf
+from screwsim.scene.grid import unit_of
 from screwsim.version import version
 
 
@@ -21,6 +24,21 @@ class Column(NamedTuple):
     values: Sequence[Any]
     units: str
     long_name: str
+
+
+def input_column(leaf: Leaf, values: Sequence[Any]) -> Column:
+    """Return the column of an input's values [SI], or texts."""
+    return Column(values, unit_of(leaf) or "1", leaf.doc)
+
+
+def figure_column(name: str, values: Sequence[Any]) -> Column:
+    """Return the column of a figure's values [SI]."""
+    return Column(values, declared(name).units, declared(name).long_name)
+
+
+def error_column(name: str, values: Sequence[Any]) -> Column:
+    """Return the column of a figure's estimated errors [SI]."""
+    return Column(values, declared(name).units, "its estimated numerical error, absolute")
 
 
 def protect_other_columns(path: Path, title: str, *names: str) -> None:

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from screwsim.figures.engineering import figure_text
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
+from screwsim.outputs.customary import in_bar
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 from screwsim.template import SceneRequest, kind_of, new_scene
@@ -27,6 +28,7 @@ UNSTEADY_PORT = (
     "--economizer: no temperature is found at which the port draws the vapour (choose a --condition with ends farther "
     "apart, another --vi, or no --economizer)"
 )
+ELSEWHERE = 0.01  # relative difference of a package's inlet pressure from that of its surroundings that is told
 STEADY = 0.01  # departure of the draw ratio from 1 within which a port draws what the liquid gives off
 HEAVY, LIGHT = 1.15, 0.6  # motor loads (NEMA MG 1: service factor 1.15) beyond which sheet and machine hardly match
 
@@ -135,6 +137,11 @@ def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]
         assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of air"]
         assumed += ["losses of a typical package, a fan of 4 % of the motor"]
         assumed += [f"an inverter that loses {100.0 * INVERTER_LOSS_SHARE:g} % of it"] if asked.variable else []
+        at, inlet = scene.operation.ambient_pressure, scene.operation.suction.pressure
+        if abs(inlet - at) > ELSEWHERE * at:
+            assumed += [
+                f"gauge pressures over {in_bar(at)} (operation.ambient_pressure), not over the inlet's {in_bar(inlet)}"
+            ]
     else:
         assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of gas", "losses fitted to similar machines"]
     yield f"assumed: {', '.join(assumed)}"

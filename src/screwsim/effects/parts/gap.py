@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from math import isclose, pi
 from typing import Any
 
-from screwsim.effects.base import NEIGHBOUR, Faults, FlowPath
+from screwsim.effects.base import NEIGHBOUR, Faults, FlowPath, Resistance
 from screwsim.effects.parts import gap_flow
 from screwsim.effects.parts.gas_transport import declared_gas_viscosity
 from screwsim.inputs.declare import AREA, choice, file, number, quantity
@@ -35,6 +35,10 @@ class GapParameters:
     area_file: str | None = file(
         "CSV with columns angle_deg, area_m2 of the trailing chamber; replaces the built-in area", curve=AREA
     )
+
+    def resistance(self, slides: float | None) -> Resistance | None:
+        """Return what the opening adds to a nozzle, None for nothing; `slides` is as for `gap_path`."""
+        return None
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,10 @@ class ClearanceParameters(GapParameters):
         hardly=(None, 1.0),
     )
     gas_viscosity: float | None = declared_gas_viscosity()
+
+    def resistance(self, slides: float | None) -> Resistance | None:
+        of_model = gap_flow.MODELS[self.model].resistance
+        return None if of_model is None else of_model(self, slides)
 
 
 @dataclass(frozen=True)
@@ -100,13 +108,11 @@ def ramp(phi, start, full, fall, end):
     return x * x * (3.0 - 2.0 * x)
 
 
-def gap_path(
-    parameters, area, values, *, breakpoints, offset, corners=(), use_table=True, slides=None, held=None
-) -> FlowPath:
+def gap_path(parameters, area, values, *, breakpoints, offset, corners=(), use_table=True, slides=None) -> FlowPath:
     """Return the flow path of a gap between chambers `offset` pitches apart, from its area kernel or from its table.
 
     `corners` [rad] are those of a built-in area's slope. `slides` is the speed of the housing past the gap over the tip
-    speed; None where no wall slides (M256). `held` is the resistance of an opening that is no clearance.
+    speed; None where no wall slides (M256).
     """
     tables = {}
     if use_table and parameters.area_file is not None:
@@ -115,28 +121,26 @@ def gap_path(
         corners = ()
         tables = {"curve": (angles, areas)}
     ends = {"breakpoints": breakpoints, "corners": corners}
-    return _between(parameters, area, values, slides, held, offset=offset, tables=tables, **ends)
+    return _between(parameters, area, values, slides, offset=offset, tables=tables, **ends)
 
 
-def _between(parameters, area, values, slides, held, **others) -> FlowPath:
+def _between(parameters, area, values, slides, **others) -> FlowPath:
     """Return a path between chambers with the gap's flow coefficient and flow model."""
-    if isinstance(parameters, ClearanceParameters):
-        held = gap_flow.resistance(parameters, slides)
-    coefficient = parameters.flow_coefficient
-    return FlowPath(NEIGHBOUR, area, values, flow_coefficient=coefficient, resistance=held, **others)
+    coefficient, resistance = parameters.flow_coefficient, parameters.resistance(slides)
+    return FlowPath(NEIGHBOUR, area, values, flow_coefficient=coefficient, resistance=resistance, **others)
 
 
-def profile_paths(parameters, interfaces, gap=None, slides=None, held=None) -> list[FlowPath]:
+def profile_paths(parameters, interfaces, gap=None, slides=None) -> list[FlowPath]:
     """Return a gap's flow paths from the rotor profile: clearance [m] times length, or area (gap None).
 
-    `slides` and `held` are as for `gap_path`; `slides` applies to the gaps across a lobe.
+    `slides` is as for `gap_path`, and applies to the gaps across a lobe.
     """
     area, values = (table_area, {}) if gap is None else (length_area, {"gap": gap})
     found = []
     for each in interfaces:
         tables = {"curve": each.table.curve}
         own, over = {"own_breakpoints": each.table.breakpoints}, slides if each.offset == 1 else None
-        found.append(_between(parameters, area, values, over, held, offset=each.offset, tables=tables, **own))
+        found.append(_between(parameters, area, values, over, offset=each.offset, tables=tables, **own))
     return found
 
 

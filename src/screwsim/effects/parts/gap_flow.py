@@ -34,8 +34,8 @@ class FlowModel(NamedTuple):
     it needs carried oil with a viscosity; `walls`: a wall that slides past the gap drags oil along.
     """
 
-    # of a gap's parameters and the wall's speed (see `resistance`); None: the plain nozzle, without parameters
-    held: Callable[[Any, float | None], Resistance] | None = None
+    # of a gap's parameters and the speed of the wall past it (`gap.gap_path`); None: the plain nozzle
+    resistance: Callable[[Any, float | None], Resistance] | None = None
     key: str = ""
     example: str = ""
     gas: bool = True
@@ -81,16 +81,6 @@ HOLES: Mapping[str, Resistance | None] = {  # of an opening without depth: of th
 }
 
 
-def resistance(parameters: Any, slides: float | None = None) -> Resistance | None:
-    """Return the resistance of a gap by its flow model; None for the plain nozzle.
-
-    `slides` is the speed of the wall that drags oil through the gap over the tip speed, used where none is stated; None
-    where no wall does.
-    """
-    held = MODELS[parameters.model].held
-    return None if held is None else held(parameters, slides)
-
-
 def sealed(rule: str, gap: float, passage: float) -> Resistance:
     """Return the resistance of a gas–oil mixture in a clearance `gap` [m] that is `passage` [m] deep (M192, M193)."""
     title = f"mixture of gas and oil, viscosity by {rule} (M192, M193)"
@@ -100,7 +90,7 @@ def sealed(rule: str, gap: float, passage: float) -> Resistance:
 def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
     """Return the viscosities [Pa s] that a gap's flow model takes, by the names of the kernel's arguments."""
     model = MODELS[parameters.model]
-    if model.held is None:
+    if model.resistance is None:
         return {}
     viscosity = around.oil.viscosity if around.oil is not None else None
     of_oil = {"oil_viscosity": viscosity} if viscosity is not None else {}
@@ -115,7 +105,7 @@ def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
 def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
     """Yield keys that a gap's flow model needs and lacks, and those that have no meaning with it."""
     path, word, model = f"effects.{name}", parameters.model, MODELS[parameters.model]
-    needed = {} if model.held is None else {"passage": "2 mm", model.key: model.example}
+    needed = {} if model.resistance is None else {"passage": "2 mm", model.key: model.example}
     used = set(needed)
     if model.gas:
         used.add("gas_viscosity")

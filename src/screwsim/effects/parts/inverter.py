@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.effects.base import Faults
-from screwsim.inputs.declare import Derived, file, number, quantity
+from screwsim.inputs.declare import Derived, ReplaceableDefault, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 
@@ -30,10 +30,6 @@ COLUMNS = "speed", "current", "loss"
 FEWEST, POOR = 5, 0.1  # fewest rows of a file; largest deviation of its fit, over the largest loss
 SMALL, SMALL_R, LARGE_R = 100e3, 0.15, 0.25  # [W] between the standard sizes 90 and 110 kW: r below it, and above
 WEAK = 1.02  # speed over the rated one above which the field would be weakened
-
-
-class Usual(float):
-    """A default number of a motor, for a scene that states none: its rated power may determine another."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +53,7 @@ class Inverter:
     harmonic_loss: float = number(
         "r: additional loss of the motor on the inverter, over its loss on the mains (default: 0.15, of a rated_power "
         "above 100 kW 0.25)",
-        Usual(SMALL_R),
+        ReplaceableDefault(SMALL_R),
         ge=0.0,
         le=2.0,
         hardly=(None, 0.5),
@@ -66,7 +62,7 @@ class Inverter:
 
 def of_size(inverter: Inverter, rated: float) -> Inverter:
     """Return an inverter with the additional loss of a motor of a rated power [W], where none is stated (M433)."""
-    if not isinstance(inverter.harmonic_loss, Usual | Derived):
+    if not isinstance(inverter.harmonic_loss, ReplaceableDefault | Derived):
         return inverter
     return replace(inverter, harmonic_loss=Derived(SMALL_R if rated <= SMALL else LARGE_R))
 

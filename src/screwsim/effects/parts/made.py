@@ -137,6 +137,10 @@ class Sought:
         """Return a first guess of the coordinate."""
         raise NotImplementedError
 
+    def cautious(self, span: Span) -> float:
+        """Return another first guess, for a machine that has no net flow with the first."""
+        return self.first(span)
+
     def placed(self, x: float) -> dict[str, Any]:
         """Return the parameters that a coordinate stands for, by name, as values that are `Found`."""
         raise NotImplementedError

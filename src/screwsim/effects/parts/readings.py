@@ -1,4 +1,4 @@
-"""What effects read of a closed cycle, their power losses and shaft, and reservoirs beside the two lines."""
+"""What effects read of a scene and of a closed cycle, their power losses and shaft, reservoirs beside the two lines."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -55,24 +55,34 @@ class Shaft:
 
 
 @dataclass(frozen=True)
-class Site:
-    """The data from which the state of a plenum can be computed (SI units).
+class Around:
+    """What an effect can learn about a scene before it is composed (SI units).
 
-    `gas` is the gas model (`screwsim.fluid.real_gas`, `ideal_gas`), `fluid` its CoolProp name. `liquid_enthalpy` is
-    that of the real fluid's liquid behind the condenser, `refrigerating_effect` the enthalpy rise of the fluid in the
-    evaporator (M43): None where the scene does not state evaporating and condensing temperature. `T_oil` is that of the
-    oil's supply, `oil` has its properties there.
+    `fluid` is the gas's CoolProp name, `tip_speed` that of the male rotor, or the mean piston speed. `T_oil` is that of
+    the oil's supply, `oil` has its properties there.
     """
 
-    gas: Any
     fluid: str
     p_s: float
     T_s: float
     p_d: float
-    liquid_enthalpy: float | None
-    refrigerating_effect: float | None
+    tip_speed: float
     T_oil: float | None = None
     oil: OilProperties | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Site(Around):
+    """The data from which the state of a plenum can be computed (SI units).
+
+    `gas` is the gas model (`screwsim.fluid.real_gas`, `ideal_gas`). `liquid_enthalpy` is that of the real fluid's
+    liquid behind the condenser, `refrigerating_effect` the enthalpy rise of the fluid in the evaporator (M43): None
+    where the scene does not state evaporating and condensing temperature.
+    """
+
+    gas: Any
+    liquid_enthalpy: float | None
+    refrigerating_effect: float | None
 
 
 @dataclass(frozen=True)

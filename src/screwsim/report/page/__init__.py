@@ -59,6 +59,7 @@ def page_of(results: Any, claims: Sequence[Any] = (), stages: Mapping[str, str] 
         library=compressed(get_plotlyjs()),
         document=compressed(document),
         sweep=bool(results.axis_list),
+        solved=bool(document["figures"]),
         counts=tables.counts(results),
         quantities=sum(len(axis.joined) or 1 for axis in results.axis_list),
         axes=tables.axes(results),

@@ -9,7 +9,7 @@ function complain(text) {
 }
 
 function drawAll() {
-  pick(picked);
+  if (data.figures.length) pick(picked);
 }
 
 function whenNarrowOrWide(act) {
@@ -37,7 +37,7 @@ async function begin() {
     fillPicker();
   }
   for (const form of document.forms) form.addEventListener("submit", (event) => event.preventDefault());
-  if (data.figures.length) drawAll();
+  drawAll();
   for (const query of ["(prefers-color-scheme: dark)", "print"]) window.matchMedia(query).addEventListener("change", drawAll);
   whenNarrowOrWide(drawAll);
   markCut();

@@ -42,7 +42,9 @@ UNITS = {
     "s": {"s": 1.0, "h": 3600.0},
 }
 CELSIUS = "degC"
-MOST_EFFICIENCY = 1.5  # a number without a unit from this one on is meant in %
+# a number without a unit from this one on is meant in %; no quantity between 0 and 1 has a larger standard deviation
+# than 0.5
+MOST_EFFICIENCY = {"figure": 1.5, "uncertainty": 0.5}
 
 
 def units_of(figure: str) -> Mapping[str, float]:
@@ -51,9 +53,12 @@ def units_of(figure: str) -> Mapping[str, float]:
     return UNITS.get(si, {si: 1.0})
 
 
-def bare_percent(figure: str, number: str) -> str:
-    """Return that an efficiency written as a number without a unit is meant in %; empty for any other figure."""
-    if declared(figure).scale != EFFICIENCY or abs(float(number)) < MOST_EFFICIENCY:
+def bare_percent(figure: str, number: str, kind: str = "figure") -> str:
+    """Return that an efficiency written as a number without a unit is meant in %; empty for any other figure.
+
+    `kind`: figure or uncertainty of one.
+    """
+    if declared(figure).scale != EFFICIENCY or abs(float(number)) < MOST_EFFICIENCY[kind]:
         return ""
     return f"is {100.0 * float(number):g} % (write {number} %, or {float(number) / 100.0:g})"
 

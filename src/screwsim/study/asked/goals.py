@@ -88,7 +88,7 @@ def read_figure(figure: str, text: str, where: str, kind: str = "figure") -> flo
     if unit == CELSIUS and celsius:
         return number + ZERO_CELSIUS
     if unit in units:
-        if not unit and (meant := bare_percent(figure, match[1])):
+        if not unit and (meant := bare_percent(figure, match[1], kind)):
             raise UsageError(f"{where}: {figure} {match[1]} {meant}")
         return number * units[unit]
     with refused_at(where):

@@ -94,9 +94,9 @@ def shown_value(scene: Varied, path: str, value: Any, digits: int = 5) -> str:
     return f"{shown_number(scene, path, value, digits)} {unit}".strip()
 
 
-def shown_range(scene: Varied, path: str, low: Any, high: Any) -> str:
+def shown_range(scene: Varied, path: str, low: Any, high: Any, *, digits: int = 5) -> str:
     """Return two values [SI] of a path as `shown_value` does, with dots between them."""
-    return " … ".join(shown_value(scene, path, end) for end in (low, high))
+    return " … ".join(shown_value(scene, path, end, digits) for end in (low, high))
 
 
 def refuse_empty_range(scene: Varied, path: str, low: float, high: float, where: str) -> None:

@@ -278,8 +278,9 @@ def _value(column: _Column, text: str) -> Any:
     if not re.fullmatch(NUMBER, text):
         raise Refused(f"{shown(text)} is not a number (write e.g. 0.5; units go in the first line)")
     value = float(text) if column.quantity is None else float(parse_quantity(column.quantity, f"{text} {column.unit}"))
-    if column.kind == "figure" and not column.unit and (meant := bare_percent(column.of, text)):
-        raise Refused(f"{text} {meant.partition(' (')[0]} (write the unit behind the column's name: {column.of} [%])")
+    if not column.unit and (meant := bare_percent(column.of, text, column.kind)):
+        head = column.of + (UNCERTAINTY_SUFFIX if column.kind == "uncertainty" else "")
+        raise Refused(f"{text} {meant.partition(' (')[0]} (write the unit behind the column's name: {head} [%])")
     if column.kind == "uncertainty" and not value > 0.0:
         raise Refused(f"{text} is out of range (an uncertainty must be greater than 0)")
     if column.quantity is not None:

@@ -116,8 +116,9 @@ def heating_line(rated: Rating[Any]) -> tuple[str, str]:
     """Return the heat of the condenser at the own point, and its COP."""
     heat, cop = heating_columns(rated)
     capacity, cop = f"{heat.cell(rated.own.performance)} {heat.unit}", cop.cell(rated.own.performance)
-    coolers = "the oil cooler" if len(rated.asked.scenes) == 1 else "the oil coolers"
-    return "heating", f"{capacity} from the condenser, without {coolers}; COP {cop}"
+    coolers = ", without the oil cooler" if len(rated.asked.scenes) == 1 else ", without the oil coolers"
+    oiled = any(scene.oil_supply is not None for scene in rated.asked.scenes)
+    return "heating", f"{capacity} from the condenser{coolers if oiled else ''}; COP {cop}"
 
 
 def _drawings(rated: SceneRating) -> Iterator[Drawing]:

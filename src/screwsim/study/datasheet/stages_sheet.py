@@ -27,7 +27,7 @@ from screwsim.study.datasheet.stages_rating import ChainRating, refrigerates
 from screwsim.study.datasheet.tables import BLANK, DUTY, Lines
 from screwsim.study.datasheet.units import Units
 from screwsim.study.stages import ChainResult
-from screwsim.study.stages.axes import COOLS, FLASHES, NOTHING, STAGE_NAMES
+from screwsim.study.stages.axes import BATHES, COOLS, FLASHES, NOTHING, STAGE_NAMES
 from screwsim.study.stages.chain import StageChain
 
 CAPACITY, FLOW, INTERMEDIATE = "cooling_capacity", "gas_mass_flow", "intermediate_pressure"
@@ -61,7 +61,12 @@ EACH_STAGE = (  # figures of a stage, a row each
     Column("oil_supply_temperature", "oil temperature [°C]", 1.0, 1, celsius=True),
     Column(DUTY, "oil cooler duty [kW]", KW, 2),
 )
-BETWEEN = {NOTHING: "no cooler", COOLS: "a cooler", FLASHES: "a flash tank, whose vapour mixes in"}
+BETWEEN = {
+    NOTHING: "no cooler",
+    COOLS: "a cooler",
+    FLASHES: "a flash tank, whose vapour mixes in",
+    BATHES: "a flash intercooler, which the gas leaves saturated",
+}
 STAGE_FIGURES = (*(column.figure for column in EACH_STAGE), *LIFE_FIGURES)
 
 

@@ -24,7 +24,7 @@ class MapPoint(NamedTuple):
     """A map at one point: the temperatures [K], the values of its other axes [SI], its figures [SI].
 
     `by_inputs` is half of their 95 % interval by the tolerances of the inputs [SI], by the map's mean share; empty
-    without tolerances.
+    without tolerances. `missing` are the points of the sweep that the map has to do without, in words.
     """
 
     evaporating_temperature: float
@@ -32,6 +32,7 @@ class MapPoint(NamedTuple):
     values: Mapping[str, Any]
     figures: Mapping[str, float]
     by_inputs: Mapping[str, float]
+    missing: str = ""
 
 
 @checked_arguments(evaporating_temperature=NUMBER, condensing_temperature=NUMBER)
@@ -88,7 +89,7 @@ def evaluated_at(
     found = {figure: float(one.evaluate(figure, S, D)) for figure in one.fits}
     shares = {figure: fit.by_inputs for figure, fit in one.fits.items() if fit.by_inputs is not None}
     by_inputs = {figure: share * abs(found[figure]) for figure, share in shares.items()}
-    return MapPoint(T_e, T_c, one.values, found, by_inputs)
+    return MapPoint(T_e, T_c, one.values, found, by_inputs, one.missing_in_words)
 
 
 def _is_same_value(own: Any, asked: Any) -> bool:

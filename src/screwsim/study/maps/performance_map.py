@@ -30,6 +30,7 @@ COEFFICIENT_NAMES = tuple(f"C{number}" for number in range(1, len(TERMS) + 1))
 SHAFT, ELECTRICAL = "shaft_power", "electrical_power"
 USUAL_FIGURES = ("gas_mass_flow", "cooling_capacity")  # besides the power
 VALUES = 4  # distinct temperatures that a cubic needs
+MOST_SHOWN = 8  # points that are left out, in words
 WORST_CONDITION = 1e6  # of the fit in centred and scaled temperatures; a full grid has about 10
 _CONDITIONS = (SUPERHEAT, SUBCOOLING, QUALITY, SUPERHEAT_S, "oil_supply.temperature", "oil_supply.ratio")
 
@@ -59,11 +60,21 @@ class PolynomialFit:
 
 
 @dataclass(frozen=True)
+class MissingPoint:
+    """A point of the sweep that a map has to do without: evaporating and condensing temperature [°C], and why."""
+
+    S: float
+    D: float
+    why: str
+
+
+@dataclass(frozen=True)
 class PerformanceMap:
     """A map at one point of the other axes (`values`, SI); `message` says why there is none.
 
     `envelope` holds the corners (S, D) [°C] of the convex hull of the points, anticlockwise; `not_ok` is the number of
-    points without a solution, which are left out. `condition` is that of the fit in scaled temperatures.
+    points without a solution, which are left out. `condition` is that of the fit in scaled temperatures. `missing` are
+    all points that are left out, those that lack a figure as well.
     """
 
     values: Mapping[str, Any]
@@ -73,6 +84,20 @@ class PerformanceMap:
     condition: float | None = None
     envelope: tuple[tuple[float, float], ...] = ()
     fits: Mapping[str, PolynomialFit] = field(default_factory=dict)
+    missing: tuple[MissingPoint, ...] = ()
+
+    @property
+    def missing_in_words(self) -> str:
+        """How many points of the sweep are left out, where they lie, and why the first is; empty where none is."""
+        if not self.missing:
+            return ""
+        places = [f"({each.S:g}, {each.D:g})" for each in self.missing[:MOST_SHOWN]]
+        more = ", …" if len(self.missing) > MOST_SHOWN else ""
+        count = "1 point of the sweep is" if len(self.missing) == 1 else f"{len(self.missing)} points of the sweep are"
+        which = "it" if len(self.missing) == 1 else "the first"
+        return (
+            f"{count} left out, (S, D) {', '.join(places)}{more} °C; {which}: {' '.join(self.missing[0].why.split())}"
+        )
 
     def inside(self, S: Any, D: Any) -> Array:
         """Return where the envelope covers evaporating and condensing temperatures [°C]."""
@@ -172,26 +197,30 @@ def _map(results: Results, figures: Sequence[str], values: Mapping[str, Any], ca
     S, D = (np.round(T - ZERO_CELSIUS, 9).ravel()[cases] for T in temperatures)
     good = results.status.ravel()[cases] == "ok"
     not_ok = int(np.count_nonzero(~good))
-    for column in columns.values():
-        good = good & np.isfinite(column) & (column != 0.0)
+    whys = np.where(good, "", results.messages.ravel()[cases]).astype(object)
+    for figure, column in columns.items():
+        known = np.isfinite(column) & (column != 0.0)
+        whys[good & ~known] = f"has no {figure}"
+        good = good & known
+    missing = tuple(MissingPoint(float(S[i]), float(D[i]), str(whys[i])) for i in np.flatnonzero(~good))
     S, D = S[good], D[good]
     message = _why_no_fit(S, D, len(cases))
     if message:
         none = [figure for figure in figures if figure not in results.figures]
         message += f"; the file has no {' and no '.join(none)}" if none else ""
-        return PerformanceMap(values, message, len(S), not_ok)
+        return PerformanceMap(values, message, len(S), not_ok, missing=missing)
     design = DesignMatrix(S, D)
     if design.condition > WORST_CONDITION:
         message = (
             f"the {len(S)} points do not determine the ten coefficients (condition {design.condition:.1e}; spread "
             "them over both temperatures, not along a line)"
         )
-        return PerformanceMap(values, message, len(S), not_ok, design.condition)
+        return PerformanceMap(values, message, len(S), not_ok, design.condition, missing=missing)
     fits = {
         figure: replace(design.fit(column[good]), by_inputs=_by_inputs(results, figure, cases[good], column[good]))
         for figure, column in columns.items()
     }
-    return PerformanceMap(values, "", len(S), not_ok, design.condition, _convex_hull(S, D), fits)
+    return PerformanceMap(values, "", len(S), not_ok, design.condition, _convex_hull(S, D), fits, missing)
 
 
 def _by_inputs(results: Results, figure: str, cases: Array, values: Array) -> float | None:

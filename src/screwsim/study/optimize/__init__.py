@@ -1,7 +1,7 @@
 """Optimisation: the values of paths at which figures are best, over operating points, within bounds."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -46,8 +46,8 @@ LARGEST_HOLE = 0.5  # ... unless such a share of it is without an equally good v
 class EquallyGoodRange:
     """How far a path [SI] may go with the aim equally good within its error, as far as evaluated.
 
-    `border` is the end at which the best lies, `beyond` why there is no solution beyond that end; `idle` where the aim
-    is equally good over the whole range.
+    `border` is the end at which the best lies, `beyond` why there is no solution beyond that end, or next to a best
+    inside the range of a single path; `idle` where the aim is equally good over the whole range.
     """
 
     low: float
@@ -258,6 +258,16 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
     return f"no evaluation is within the bounds: {nearest} ({remedy})"
 
 
+def _beside(found: Optimum, best: int, solved: Callable[[float], Result]) -> str:
+    """Return why the solution next to the best value of a single path failed; empty where none did."""
+    (span, *others), off = found.asked.spans, np.abs(found.places[:, 0] - found.places[best, 0])
+    near = np.flatnonzero(np.isnan(found.aims[:, 0]) & (off <= END_DISTANCE))
+    if others or not len(near):
+        return ""
+    result = solved(span.value(float(found.places[near[np.argmin(off[near])], 0])))
+    return "" if result.status == "ok" else result.told
+
+
 def _equally_good_range(
     found: Optimum, feasible: np.ndarray, column: int, best: int, top: Maximum | None, simulate: Simulate
 ) -> EquallyGoodRange:
@@ -266,7 +276,11 @@ def _equally_good_range(
 
     def solved(value: float) -> Result:
         points = simulated(asked, {**found.values, span.path: value}, simulate)
-        return next((point.result for point in points if point.result.status != "ok"), points[0].result)
+        bad = next((point for point in points if point.result.status != "ok"), None)
+        if bad is None:
+            return points[0].result
+        at = f"at {bad.point.name}: " if bad.point.name else ""
+        return replace(bad.result, message=f"{at}{bad.result.message}")
 
     worse = asked.aims[0].sign * (found.aims[:, 0] - found.aims[best, 0])
     good = np.sort(found.places[feasible & (worse <= found.errors[best, 0] + found.errors[:, 0]), column])
@@ -274,7 +288,7 @@ def _equally_good_range(
     if high - low > INSENSITIVE_SHARE and float(np.diff(good).max()) < LARGEST_HOLE:  # the best place is one by chance
         return EquallyGoodRange(span.value(low), span.value(high), idle=True)
     border = LOWER if place < END_DISTANCE else UPPER if place > 1.0 - END_DISTANCE else ""
-    beyond = refusal_beyond(asked.scene, span, border, solved) if border else ""
+    beyond = refusal_beyond(asked.scene, span, border, solved) if border else _beside(found, best, solved)
     if top is not None and not asked.bounds:
         low, high = top.low, top.high
     return EquallyGoodRange(span.value(low), span.value(high), border, beyond=beyond)

@@ -27,12 +27,16 @@ NOT_SIMULATED = "not simulated, because another operating point has no result"
 
 
 class Evaluation(NamedTuple):
-    """Evaluation of a set of values: each aim and its error [SI], the excess over each bound; or why it failed."""
+    """Evaluation of a set of values: each aim and its error [SI], the excess over each bound; or why it failed.
+
+    Of several operating points `at` is the one that failed.
+    """
 
     aims: tuple[float, ...]
     errors: tuple[float, ...]
     excess: tuple[float, ...]
     failed: str = ""
+    at: str = ""
 
     @property
     def feasible(self) -> bool:
@@ -133,9 +137,10 @@ def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
     bad = [each for each in rows if table.status[each] != STATUSES.index("ok")]
     nothing = (math.nan,) * len(asked.aims)
     if bad:
-        texts = table.texts["message"]
-        why = f"{STATUSES[table.status[bad[0]]].replace('_', ' ')}: {texts.words[texts.number[bad[0]]]}"
-        return Evaluation(nothing, nothing, (math.nan,) * len(asked.bounds), why)
+        texts, at = table.texts["message"], asked.points.points[bad[0] - row].name
+        status = STATUSES[table.status[bad[0]]].replace("_", " ") + (f" at {at}" if at else "")
+        why = f"{status}: {texts.words[texts.number[bad[0]]]}"
+        return Evaluation(nothing, nothing, (math.nan,) * len(asked.bounds), why, at)
     found = {name: table.column("performance", name)[rows] for name in asked.figures}
     wide = {name: np.array([error_of(asked.scene, table, each, name) for each in rows]) for name in asked.figures}
     pairs = [weighted_mean(asked.points, aim.figure, found[aim.figure], wide[aim.figure]) for aim in asked.aims]
@@ -144,12 +149,19 @@ def evaluation_of(asked: Question, table: Table, row: int) -> Evaluation:
 
 
 def weighted_mean(points: OperatingPoints, name: str, values: np.ndarray, errors: np.ndarray) -> tuple[float, float]:
-    """Return a figure over the operating points, and its error; with energy weights a COP is heat over work."""
+    """Return a figure over the operating points, and its error; with energy weights a COP is heat over work.
+
+    In each bin of a standard the COP is interpolated between its points.
+    """
     weights = np.array([point.weight for point in points.points])
-    weights = weights / weights.sum()
     if points.energy and name in points.cops:
-        total = 1.0 / float(weights @ (1.0 / values))
-        return total, float(weights @ (errors * (total / values) ** 2))
+        bins = np.array(points.bins) if points.bins else np.diag(weights)
+        bins = bins[bins.any(axis=1)] / bins.sum()
+        energy = bins.sum(axis=1)
+        cop = bins @ values / energy
+        total = 1.0 / float(energy @ (1.0 / cop))
+        return total, float(total**2 * (1.0 / cop**2) @ bins @ errors)
+    weights = weights / weights.sum()
     return float(weights @ values), float(weights @ errors)
 
 

@@ -21,6 +21,7 @@ LEAST_APPROACH = 1.0  # [K] between water or air and refrigerant at full load
 SPEED = "operation.speed"
 MOST_POINTS = 100  # points per file
 _HEATING = "heating_"  # before the names of columns of loads and energies of heating
+_OF_A_FILE = "from a file, work over capacity is interpolated between points, where the standard interpolates the COP"
 _EXAMPLE = "weight, operation.condensing_temperature [degC], load"
 
 
@@ -39,7 +40,8 @@ class OperatingPoints:
     """Points with their way of averaging. Loads are reached by the path `by`.
 
     With `energy` the weights are shares of the cooling energy, so that an overall COP is cooling over work; else
-    figures are averaged. With `heating` loads and energies are those of the heating capacity.
+    figures are averaged. With `heating` loads and energies are those of the heating capacity. `bins` are those of the
+    standard.
     """
 
     name: str
@@ -48,6 +50,7 @@ class OperatingPoints:
     by: str = SPEED
     told: tuple[str, ...] = ()  # how the conditions of a chiller or heat pump were converted to the compressor's
     heating: bool = False
+    bins: tuple[tuple[float, ...], ...] = ()
 
     @property
     def aim(self) -> LoadFigures:
@@ -110,13 +113,15 @@ def points_of(scene: Scene, standard: SeasonalStandard) -> OperatingPoints:
         f"condensation at full load, both in proportion to the load; condensing at {LEAST_CONDENSING:g} °C at least; "
         f"loads {'of heating ' if standard.heating else ''}by {SPEED}; no {standard.without}"
     )
-    return OperatingPoints(standard.name, tuple(points), standard.energy, SPEED, (told,), standard.heating)
+    return OperatingPoints(
+        standard.name, tuple(points), standard.energy, SPEED, (told,), standard.heating, standard.bins
+    )
 
 
 def as_csv(points: OperatingPoints) -> str:
     """Return points as the text of a CSV file that reads back to them."""
     paths = list(points.points[0].values)
-    lines = [f"# {line}" for line in points.told]
+    lines = [f"# {line}" for line in (*points.told, *([_OF_A_FILE] if points.bins else []))]
     heating = _HEATING if points.heating else ""
     weight = f"{heating}energy" if points.energy else "weight"
     load = f"{heating}load" if points.by == SPEED else f"{heating}load by {points.by}"

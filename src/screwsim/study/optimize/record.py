@@ -109,9 +109,9 @@ class Record:
         return found
 
     def _keep(self, places: np.ndarray, found: Sequence[Evaluation]) -> None:
-        failed = [each.failed for each in found if each.failed]
-        for reason in failed:  # one example of those that differ by their numbers alone
-            kind = re.sub(r"[0-9][0-9.e+-]*", "#", reason)
+        failed = [(each.at, each.failed) for each in found if each.failed]
+        for at, reason in failed:  # one example of those that differ by their numbers alone
+            kind = at + re.sub(r"[0-9][0-9.e+-]*", "#", reason)
             if len(self._kinds) < MOST_REASONS:
                 self._kinds.setdefault(kind, reason)
             self.reasons[self._kinds.get(kind, OTHER_REASON)] += 1

@@ -4,7 +4,7 @@ Sources: AHRI 551/591 (SI) and 550/590 for IPLV: weights 0.01, 0.42, 0.45, 0.12.
 for ESEER: 3, 33, 41, 23 %. EN 14825 for SEER (space cooling, water at a fixed 7 °C, average climate), SEPR (process
 cooling, water at 7 °C; Regulation (EU) 2016/2281 has the same) and SCOP (space heating, average climate, water of 35 or
 55 °C at −10 °C outdoors, colder in milder weather). Weights of these three follow from the hours at each outdoor
-temperature and the load there; hours times load of SCOP add up to the 2066 h at full load of Regulation (EU) 811/2013.
+temperature and the load there, between points COPs are interpolated; hours times load of SCOP add up to the 2066 h at full load of Regulation (EU) 811/2013.
 All of them rate a whole chiller or heat pump.
 """
 
@@ -59,7 +59,7 @@ class RatingPoint(NamedTuple):
 class SeasonalStandard(NamedTuple):
     """A seasonal figure: its points, full load first; with `energy` weights are shares of the energy, else of figures.
 
-    Of `heating` loads and energies are those of heating. The media at both sides, the `conditions` and what the figure
+    `bins` has a row for each outdoor temperature: its share of the energy, divided between the points. Of `heating` loads and energies are those of heating. The media at both sides, the `conditions` and what the figure
     is `without` are in words.
     """
 
@@ -72,6 +72,7 @@ class SeasonalStandard(NamedTuple):
     conditions: str
     without: str = _WITHOUT_COOLING
     heating: bool = False
+    bins: tuple[tuple[float, ...], ...] = ()
 
 
 _WEIGHTS = {"IPLV": (0.01, 0.42, 0.45, 0.12), "ESEER": (0.03, 0.33, 0.41, 0.23)}
@@ -85,22 +86,29 @@ _TABLE = {  # of the points A … D: loads, temperatures [°C] of air, and of wa
 
 
 def energy_shares(name: str) -> tuple[float, ...]:
-    """Return the share of a year's energy that each rating point of SEER, SEPR or SCOP represents.
+    """Return the share of a year's energy that each rating point of SEER, SEPR or SCOP represents."""
+    return tuple(map(sum, zip(*energy_bins(name), strict=True)))
 
-    Hours times load at each outdoor temperature, divided linearly between the two neighbouring points; beyond the outer
-    points these take all.
+
+def energy_bins(name: str) -> tuple[tuple[float, ...], ...]:
+    """Return the share of a year's energy at each outdoor temperature, divided between the rating points.
+
+    Hours times load, divided linearly between the two neighbouring points; beyond the outer points these take all.
     """
     weather = HEATING_WEATHER if name == "SCOP" else _TABLE[name][2]
     at = sorted(weather)
-    shares = dict.fromkeys(at, 0.0)
+    total = sum(hours * load_at(name, T) for T, hours in BIN_HOURS[name].items())
+    rows = []
     for T, hours in BIN_HOURS[name].items():
+        parts = dict.fromkeys(at, 0.0)
         upper = next((i for i, each in enumerate(at) if each >= T), len(at) - 1)
         lower = max(upper - 1, 0)
         part = 1.0 if upper == lower else min(max((T - at[lower]) / (at[upper] - at[lower]), 0.0), 1.0)
-        energy = hours * load_at(name, T)
-        shares[at[upper]] += part * energy
-        shares[at[lower]] += (1.0 - part) * energy
-    return tuple(shares[each] / sum(shares.values()) for each in weather)
+        share = hours * load_at(name, T) / total
+        parts[at[upper]] += part * share
+        parts[at[lower]] += (1.0 - part) * share
+        rows.append(tuple(parts[each] for each in weather))
+    return tuple(rows)
 
 
 def load_at(name: str, T: float) -> float:
@@ -123,11 +131,12 @@ def standards() -> dict[str, SeasonalStandard]:
     for name, (source, loads, air, water) in _TABLE.items():
         energy = name in BIN_HOURS
         weights = energy_shares(name) if energy else _WEIGHTS[name]
+        bins = energy_bins(name) if energy else ()
         for medium, entering in (("air", air), ("water", water)):
             ratings = map(RatingPoint, "ABCD", loads, (T_WATER,) * len(loads), entering, weights)
             words = "water", medium, f"water leaves at {T_WATER:g} °C"
             full = _named(name, medium)
-            found[full] = SeasonalStandard(full, source, tuple(ratings), energy, *words)
+            found[full] = SeasonalStandard(full, source, tuple(ratings), energy, *words, bins=bins)
     for hottest, leaving in HEATING_WATER.items():
         for medium in ("air", *_GROUND):
             full = _named(f"SCOP-{hottest}", medium)
@@ -146,4 +155,5 @@ def _heating(name: str, medium: str, entering: Sequence[float], leaving: Sequenc
     ratings = tuple(map(RatingPoint, ("full", *"ABCD"), loads, entering, leaving, energy_shares("SCOP")))
     conditions = f"water leaves at {leaving[0]:g} °C with {T_DESIGN:g} °C outdoors, at {leaving[-1]:g} with 12"
     source = "EN 14825, average climate"
-    return SeasonalStandard(name, source, ratings, True, medium, "water", conditions, _WITHOUT_HEATING, heating=True)
+    words = medium, "water", conditions, _WITHOUT_HEATING
+    return SeasonalStandard(name, source, ratings, True, *words, heating=True, bins=energy_bins("SCOP"))

@@ -24,7 +24,7 @@ from screwsim.results.write import Draft
 from screwsim.scene import Scene
 from screwsim.scene.grid import unit_of
 from screwsim.study.asked.varied import leaf_of
-from screwsim.study.columns import Column, protect_other_columns, write_columns
+from screwsim.study.columns import Column, error_column, figure_column, protect_other_columns, write_columns
 from screwsim.study.optimize.question import Question
 from screwsim.study.optimize.record import Record
 from screwsim.study.stages.store import subject_of_chain
@@ -174,10 +174,9 @@ def _table(record: Record, feasible: np.ndarray, on_front: np.ndarray) -> dict[s
     columns |= {each.path: Column(each.values.tolist(), each.units, each.long_name) for each in axis.joined}
     for name in dict.fromkeys(name for table in tables for name in names_of(table.about)):
         values = np.concatenate([table.column("performance", name) for table in tables])
-        columns[name] = Column(_known(values), declared(name).units, declared(name).long_name)
+        columns[name] = figure_column(name, _known(values))
     for aim, wide in zip(asked.aims, errors.T, strict=True):
-        about = "its estimated numerical error, absolute"
-        columns[f"{aim.figure}_error"] = Column(_known(wide), declared(aim.figure).units, about)
+        columns[f"{aim.figure}_error"] = error_column(aim.figure, _known(wide))
     for bound, over in zip(asked.bounds, excess.T, strict=True):
         about = EXCESS_MEANING.format(bound.figure)
         name = f"{bound.figure}_{_SIDE[bound.sign]}_excess"

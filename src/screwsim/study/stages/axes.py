@@ -38,11 +38,12 @@ SOLVED = {  # beginnings of paths that the chain replaces by what it finds
 }
 UNLOADED_STAGE = "is unloaded and blows off what it moves, so that the pair delivers nothing"
 MOST_MEANT = 4  # paths that are offered for one without a stage
-NOTHING, COOLS, FLASHES = "none", "cooler", "economizer"
+NOTHING, COOLS, FLASHES, BATHES = "none", "cooler", "economizer", "flash_intercooler"
 INTERCOOLER_KINDS = {  # what lies between both stages, in words
     NOTHING: "The second stage draws in the gas as the first one delivers it (M201).",
     COOLS: "A cooler cools the gas to {T} if it is warmer (M201).",
     FLASHES: "Vapour from a flash tank between condenser and evaporator mixes with the gas (M202).",
+    BATHES: "The gas passes through a flash tank between condenser and evaporator and leaves saturated (M202).",
 }
 
 
@@ -51,7 +52,8 @@ class Intercooler:
     """What lies between the discharge line of the first stage and the suction line of the second."""
 
     kind: str = choice(
-        "none; cooler: the gas is cooled; economizer: vapour of a flash tank mixes in (two-stage expansion)",
+        "none; cooler: the gas is cooled; economizer: vapour of a flash tank mixes in (two-stage expansion); "
+        "flash_intercooler: the gas passes through the tank's liquid, which evaporates until the gas is saturated",
         tuple(INTERCOOLER_KINDS),
         "none",
     )
@@ -68,7 +70,12 @@ class Intercooler:
     @property
     def flashes(self) -> bool:
         """Whether vapour of a flash tank mixes in."""
-        return self.kind == FLASHES
+        return self.kind in (FLASHES, BATHES)
+
+    @property
+    def bathes(self) -> bool:
+        """Whether the gas passes through the liquid of that tank."""
+        return self.kind == BATHES
 
 
 LEAVES = {name: leaf for name, leaf in section_of(Intercooler).fields.items() if isinstance(leaf, Leaf)}

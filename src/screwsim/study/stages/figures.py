@@ -78,6 +78,18 @@ class ChainEnds:
         assert found is not None
         return found
 
+    def flashed(self, p: float, superheat: float = 0.0) -> float:
+        """Return the vapour that leaves a flash tank at p [Pa], over the liquid that does (M202).
+
+        `superheat` [J/kg] is heat that the tank's liquid takes up besides, over the liquid that leaves. Raises
+        UsageError where there is no saturation, or the liquid from the condenser forms no vapour.
+        """
+        fluid, h_c = self.chain.first.gas.name, self.liquid()
+        h_g, h_f = (constants.wet_enthalpy(fluid, p, quality) for quality in (1.0, 0.0))
+        if not h_f < h_c < h_g:
+            raise UsageError(f"the liquid from the condenser forms no vapour at {p / 1e5:.4g} bar")
+        return (h_c - h_f + superheat) / (h_g - h_c)
+
     def saturation(self, p: float) -> float | None:
         """Return the saturation temperature [K] of the gas at p [Pa]; None above the critical pressure."""
         with suppress(UsageError):
@@ -92,7 +104,8 @@ def chain_figures(ends: ChainEnds, pair: StagePair) -> tuple[Figures, Mapping[st
     h_d = ends.gas.enthalpy(p, delivery_temperature(pair.results[0]))
     h_2 = ends.gas.enthalpy(p - ends.chain.intercooler.pressure_drop, pair.T)
     T_e = None if pair.vapour == 0.0 else constants.saturation_temperature(ends.chain.first.gas.name, p)
-    drawn = [] if T_e is None else [(pair.vapour * flow, ends.gas.vapour(p, T_e))]
+    # vapour that cools the first stage's gas is not counted: no evaporator gives it off
+    drawn = [] if T_e is None else [(ends.flashed(p) * flow, ends.gas.vapour(p, T_e))]
     port_state = ends.gas.port_state(ends.low.p_s, ends.low.T_s)
     if ends.low.quality is not None:
         port_state = ends.gas.port_state_of_enthalpy(ends.low.p_s, suction_enthalpy(ends.chain.first))

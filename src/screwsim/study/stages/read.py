@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from typing import Any
 
@@ -192,7 +192,11 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
         what = "the second scene's oil cooler would have the warm suction of that stage for its coolant"
         problems.add(place, STAGES_KEY, f"{what} (state its coolant_temperature there)")
     if first.gas != second.gas:
-        problems.add(place, STAGES_KEY, "have different gases (write the same gas: section in both)")
+        apart = (
+            each.name for each in fields(first.gas) if getattr(first.gas, each.name) != getattr(second.gas, each.name)
+        )
+        what = f"have different gases: {', '.join(f'gas.{name}' for name in apart)}"
+        problems.add(place, STAGES_KEY, f"{what} (write the same gas: section in both)")
     if first.machine.expands or second.machine.expands:
         problems.add(place, STAGES_KEY, "must be compressors, not machine.mode: expander (choose compressors)")
     if second.gas.relative_humidity is not None:

@@ -167,19 +167,26 @@ class ChainSolver(ChainEnds):
             throttled = self.gas.temperature(out, self.gas.enthalpy(p, T_d))
             return 0.0, min(throttled, between.outlet_temperature)
         if between.flashes:
-            fluid = self.chain.first.gas.name
-            try:
-                h_c, T_e = self.liquid(), constants.saturation_temperature(fluid, p)
-            except UsageError:
-                what = f"a flash tank at {p / 1e5:.4g} bar separates nothing: {fluid} has no saturation there"
-                raise Stop("failed", f"{what} (choose kind: cooler, or a larger or faster second stage)") from None
-            h_g, h_f = (constants.wet_enthalpy(fluid, p, quality) for quality in (1.0, 0.0))
-            if not h_f < h_c < h_g:
-                raise Stop("failed", f"the liquid from the condenser forms no vapour at {p / 1e5:.4g} bar")
-            y = (h_c - h_f) / (h_g - h_c)
-            h = (self.gas.enthalpy(p, T_d) + y * self.gas.vapour(p, T_e).h) / (1.0 + y)
-            return y, self.gas.temperature(out, h)
+            return self._beside_tank(p, T_d)
         return 0.0, self.gas.temperature(out, self.gas.enthalpy(p, T_d))
+
+    def _beside_tank(self, p: float, T_d: float) -> tuple[float, float]:
+        """Return vapour of a flash tank per unit of first-stage gas, and the second suction temperature [K] (M202)."""
+        fluid, between = self.chain.first.gas.name, self.chain.intercooler
+        try:
+            self.liquid()
+            T_e = constants.saturation_temperature(fluid, p)
+        except UsageError:
+            what = f"a flash tank at {p / 1e5:.4g} bar separates nothing: {fluid} has no saturation there"
+            raise Stop("failed", f"{what} (choose kind: cooler, or a larger or faster second stage)") from None
+        vapour, h_d, out = self.gas.vapour(p, T_e).h, self.gas.enthalpy(p, T_d), p - between.pressure_drop
+        try:
+            y = self.flashed(p, h_d - vapour if between.bathes else 0.0)
+        except UsageError as error:
+            raise Stop("failed", str(error)) from None
+        if between.bathes:
+            return y, self.gas.temperature(out, vapour) if out < p else T_e
+        return y, self.gas.temperature(out, (h_d + y * vapour) / (1.0 + y))
 
     def _is_liquid(self, p: float, T: float) -> bool:
         """Return whether a real gas is liquid at p [Pa], T [K]."""

@@ -1,0 +1,219 @@
+"""What an oil dissolves of a refrigerant: R134a in a polyol ester (M195), any pure one by measured points (M198).
+
+A law relates the content [kg per kg of oil] to ln(f/f_sat), the vapour's fugacity over that at saturation; pressures
+follow from the equation of the vapour.
+"""
+
+import math
+from collections.abc import Sequence
+from functools import cached_property, lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.fluid import constants, solubility
+from screwsim.fluid.vapour_fugacity import Fugacity, fugacity_table
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.sheets import BadSheet, read_sheet, sheet_or_usage_error
+from screwsim.numerics.pchip import Pchip
+from screwsim.numerics.roots import brentq
+from screwsim.outputs.customary import ZERO_CELSIUS, in_bar, in_celsius
+
+Array = np.ndarray
+
+STEP = 1.0  # [K] between the temperatures at which CoolProp is evaluated
+MOST = 20.0  # [kg/kg] largest content of the ester's law
+HIGHEST = 370.0  # [K] the same law's highest temperature, below the critical one
+LEAST = 1e-9  # [kg/kg] content below which Henry's law holds
+NEAR_CRITICAL = 0.99  # of the critical temperature: highest temperature of points
+T_0 = 300.0  # [K] of the same law
+COLUMNS = "temperature_degC", "pressure_bar", "refrigerant_percent"
+FEWEST, SPREAD = 6, 20.0  # points, and [K] between the coldest and the warmest
+POOR = 0.3  # relative distance of a point's pressure from the fitted law from which on it is refused
+CHECKED = 7, 400  # temperatures and contents at which pressures are looked at
+
+
+class SolubilityLaw:
+    """What one oil dissolves of one refrigerant, from `low` to `high` [K] and up to `most` [kg/kg]."""
+
+    def __init__(self, fluid: str, low: float, high: float, most: float) -> None:
+        self.fluid, self.low, self.high, self.most = fluid, low, high, most
+
+    @cached_property
+    def _saturation(self) -> tuple[Pchip, Pchip]:
+        """ln p_sat [Pa] over 1/T and the density of saturated liquid [kg/m³] over T [K]."""
+        T = np.linspace(self.low, self.high, 1 + math.ceil((self.high - self.low) / STEP))
+        p = [constants.dew_pressure(self.fluid, float(each)) for each in T]
+        rho = [constants.saturated_liquid_density(self.fluid, float(each)) for each in T]
+        return Pchip(1.0 / T[::-1], np.log(p[::-1])), Pchip(T, np.array(rho))
+
+    def p_sat(self, T: float) -> float:
+        """Return the refrigerant's saturation pressure [Pa] at T [K]."""
+        return math.exp(self._saturation[0](1.0 / T))
+
+    def liquid_density(self, T: float) -> float:
+        """Return the density [kg/m³] of the refrigerant's saturated liquid at T [K]."""
+        return self._saturation[1](T)
+
+    def vapour(self, T: float) -> Fugacity:
+        """Return the fugacity of the refrigerant's vapour at T [K]."""
+        return _vapour(self, T)
+
+    def log_activity(self, ratio: float, T: float) -> float:
+        """Return ln(f/f_sat) of vapour over oil at T [K] that holds `ratio` [kg/kg]."""
+        raise NotImplementedError
+
+    def content(self, p: float, T: float) -> float:
+        """Return the refrigerant dissolved in equilibrium [kg per kg of oil] at p [Pa] and T [K]; `most` at most."""
+        raise NotImplementedError
+
+    def equilibrium_pressure(self, ratio: float, T: float) -> float:
+        """Return the pressure [Pa] of vapour over oil at T [K] that holds `ratio` [kg/kg], `content`'s inverse."""
+        return self.p_sat(T) * self.vapour(T).share(self.log_activity(ratio, T))
+
+
+class Ester(SolubilityLaw):
+    """R134a in a polyol ester by Heil's model (M195)."""
+
+    def pair(self, T: float) -> solubility.RefrigerantOilPair:
+        """Return the model's constants at T [K]."""
+        return _pair(self, T)
+
+    def log_activity(self, ratio: float, T: float) -> float:
+        """Return ln(f/f_sat) of vapour over oil at T [K] that holds `ratio` [kg/kg]."""
+        found = self.pair(T)
+        return solubility.log_activity(ratio / (ratio + found.mass_ratio), *found[1:5])
+
+    def content(self, p: float, T: float) -> float:
+        """Return the R134a dissolved in equilibrium [kg per kg of oil] at p [Pa] and T [K]."""
+        found = self.pair(T)
+        return solubility.dissolved(found.p_sat * self.vapour(T).ratio(p / found.p_sat), *found)
+
+
+class Point(NamedTuple):
+    """A measured point: its line in the file, temperature [K], pressure [Pa], content [kg per kg of oil]."""
+
+    line: int
+    T: float
+    p: float
+    ratio: float
+
+
+class Measured(SolubilityLaw):
+    """A pure refrigerant in an oil by Flory and Huggins' law, fitted to measured points (M198).
+
+    It holds up to the largest content, or to where the fitted pressure no longer rises with it (near saturation).
+    `misfit` is the root mean square of the relative distances of the points' pressures from the fitted law. Raises
+    UsageError, in one line, for points that give no law.
+    """
+
+    oil_density = 950.0  # [kg/m³] of the volume fractions; the constants absorb what it is off by
+
+    def __init__(self, fluid: str, points: Sequence[Point]) -> None:
+        _check_points(fluid, points)
+        T = [each.T for each in points]
+        super().__init__(fluid, min(T), max(T), max(each.ratio for each in points))
+        rows, logarithms = [], []
+        for each in points:
+            ideal, oil = self._ideal(each.ratio, each.T)
+            rows.append([oil * oil, oil * oil * T_0 / each.T, oil**3])
+            logarithms.append(math.log(self.vapour(each.T).ratio(each.p / self.p_sat(each.T))) - ideal)
+        self._constants: tuple[float, float, float] = tuple(np.linalg.lstsq(rows, logarithms, rcond=None)[0].tolist())
+        off = np.array([self.equilibrium_pressure(each.ratio, each.T) / each.p - 1.0 for each in points])
+        self.misfit = float(np.sqrt(np.mean(off**2)))
+        worst = int(np.argmax(np.abs(off)))
+        if abs(off[worst]) > POOR:
+            what = f"has a pressure that the law fitted to all points misses by {100.0 * off[worst]:+.0f} %"
+            raise UsageError(f"line {points[worst].line}: {what} (check it, or leave it out)")
+        self.most = self._rising()
+        if sum(each.ratio <= self.most for each in points) < FEWEST:
+            percent = 100.0 * self.most / (1.0 + self.most)
+            what = f"imply two contents of one pressure from {percent:.3g} % on, as of two liquids"
+            raise UsageError(f"{what} (leave out the points of most refrigerant)")
+
+    def _rising(self) -> float:
+        """Return the content [kg/kg], `most` at most, up to which pressures rise with it at all temperatures."""
+        contents = np.geomspace(self.most / CHECKED[1], self.most, CHECKED[1])
+        for T in np.linspace(self.low, self.high, CHECKED[0]):
+            falls = np.diff([self.log_activity(float(each), float(T)) for each in contents]) <= 0.0
+            contents = contents[: 1 + int(np.argmax(falls))] if falls.any() else contents
+        return float(contents[-1])
+
+    def _ideal(self, ratio: float, T: float) -> tuple[float, float]:
+        """Return ln(f/f_sat) without interaction, and the oil's share of the volume."""
+        refrigerant, oil = ratio / self.liquid_density(T), 1.0 / self.oil_density
+        share = oil / (refrigerant + oil)
+        return math.log(refrigerant / (refrigerant + oil)) + share, share
+
+    def log_activity(self, ratio: float, T: float) -> float:
+        """Return ln(f/f_sat) of vapour over oil at T [K] that holds `ratio` [kg/kg] (M198)."""
+        (ideal, oil), (a, b, c) = self._ideal(ratio, T), self._constants
+        return ideal + (a + b * T_0 / T + c * oil) * oil * oil
+
+    def content(self, p: float, T: float) -> float:
+        """Return the refrigerant dissolved in equilibrium [kg per kg of oil] at p [Pa] and T [K]; `most` at most."""
+        if p <= 0.0:
+            return 0.0
+        ratio = self.vapour(T).ratio(p / self.p_sat(T))
+        wanted, least = math.log(ratio), self.log_activity(LEAST, T)
+        if wanted <= least:
+            return LEAST * math.exp(wanted - least)
+        if wanted >= self.log_activity(self.most, T):
+            return self.most
+        ends = math.log(LEAST), math.log(self.most)
+        return math.exp(brentq(lambda z: self.log_activity(math.exp(z), T) - wanted, *ends, xtol=1e-13))
+
+
+@lru_cache(maxsize=256)
+def _pair(law: Ester, T: float) -> solubility.RefrigerantOilPair:
+    return solubility.pair(T, law.p_sat(T), law.liquid_density(T))
+
+
+@lru_cache(maxsize=256)
+def _vapour(law: SolubilityLaw, T: float) -> Fugacity:
+    return fugacity_table(law.fluid, law.low, law.high).at(T)
+
+
+ESTER = Ester(solubility.FLUID, solubility.LOW, HIGHEST, MOST)
+
+
+def read_points(path: str) -> tuple[Point, ...]:
+    """Return the measured points of a CSV file; raise UsageError in one line where it has none."""
+    columns = f"the columns {', '.join(COLUMNS)}"
+    found = []
+    with sheet_or_usage_error(f"name a CSV file with {columns}"):
+        for line, cells in read_sheet(path).columns(*COLUMNS):
+            try:
+                celsius, bar, percent = map(float, cells)
+            except ValueError:
+                raise BadSheet(f"has a cell that is not a number in {columns} (write one)", line) from None
+            if not (math.isfinite(celsius) and 0.0 < bar < math.inf and 0.0 < percent < 100.0):
+                what = "has a pressure not above 0, or refrigerant not between 0 and 100 % of the solution's mass"
+                raise BadSheet(f"{what} (leave the row out)", line)
+            found.append(Point(line, ZERO_CELSIUS + celsius, 1e5 * bar, percent / (100.0 - percent)))
+    return tuple(found)
+
+
+@lru_cache(maxsize=8)
+def law_of_points(fluid: str, points: tuple[Point, ...]) -> Measured:
+    """Return the law of a pure refrigerant that is fitted to measured points; raise UsageError where they give none."""
+    return Measured(fluid, points)
+
+
+def _check_points(fluid: str, points: Sequence[Point]) -> None:
+    """Raise UsageError for a point beside the vapour's saturation, and for too few or too similar ones."""
+    known = constants.limits(fluid)
+    assert known is not None  # a fluid of a scene
+    highest = NEAR_CRITICAL * known.T_critical
+    for each in points:
+        if not known.T_triple < each.T <= highest:
+            ends = f"{in_celsius(known.T_triple)} to {in_celsius(highest)}, where the law of M198 holds for {fluid}"
+            raise UsageError(f"line {each.line}: {in_celsius(each.T)} is outside {ends} (leave the row out)")
+        p_sat = constants.dew_pressure(fluid, each.T)
+        if each.p >= p_sat:
+            what = f"{in_bar(each.p)} is not below {in_bar(p_sat)}, at which {fluid} condenses at {in_celsius(each.T)}"
+            raise UsageError(f"line {each.line}: {what} (write absolute pressures; leave out rows of liquid)")
+    T, contents = [each.T for each in points], {each.ratio for each in points}
+    if len(points) < FEWEST or max(T) - min(T) < SPREAD or len(contents) < FEWEST // 2:
+        what = f"needs at least {FEWEST} points, with {FEWEST // 2} contents and {SPREAD:g} K from coldest to warmest"
+        raise UsageError(f"{what} (write more of them)")
