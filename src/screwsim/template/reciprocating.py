@@ -76,7 +76,7 @@ FLOW, SMALL_FLOW = 10.0 / 3600.0, 1.5 / 3600.0  # [m³/s] default displacement o
 LITTLE_SUPERHEAT = 8.0  # [K] below which gas may get wet where it expands into the cylinder: up to 4 K do at 1450 rpm
 ESTIMATED_EFFICIENCY = 0.65  # for an estimate of the power
 CUBE = math.pi**2 / 6.0  # mean cube of a piston's sinusoidal speed over the cube of its mean
-BESIDE = 0.72  # efficiency beside losses in valves and by friction, which prevail where pressures are close, or low
+BESIDE = 0.7  # efficiency beside losses in valves and by friction, which prevail where pressures are close, or low
 
 
 def reciprocating(asked: SceneRequest) -> str:
