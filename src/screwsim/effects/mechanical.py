@@ -37,29 +37,25 @@ class Parameters:
         (INDICATED, THEORETICAL),
         INDICATED,
     )
-    mean_effective_pressure: float = quantity(
+    mean_effective_pressure: float | None = quantity(
         "pressure_difference",
         "p_mf: friction mean effective pressure: besides that share, a loss of each turn over the displacement, "
-        "whatever the pressures of the gas (M461)",
-        0.0,
+        "whatever the pressures of the gas (M461; absent: 0)",
+        None,
         ge=0.0,
         hardly=(None, 2e5),
     )
 
 
 def build(parameters: Parameters, machine) -> list[PowerLoss]:
-    def share(figures) -> float:
-        """Return the loss [W] in proportion to a power (M33, M460)."""
-        if parameters.of == THEORETICAL:
-            return parameters.fraction * abs(figures.theoretical_torque() * figures.omega)
-        return parameters.fraction * abs(figures.indicated_power)
-
     def power(figures) -> float:
-        """Return the mechanical loss [W] (M461)."""
-        if not parameters.mean_effective_pressure:
-            return share(figures)
-        displaced = machine.swept_volume / machine.pitch * abs(figures.omega)
-        return share(figures) + parameters.mean_effective_pressure * displaced
+        """Return the mechanical loss [W]: in proportion to a power (M33, M460) and to the displaced flow (M461)."""
+        indicated = parameters.of == INDICATED
+        loss = figures.indicated_power if indicated else figures.theoretical_torque() * figures.omega
+        share = parameters.fraction * abs(loss)
+        if parameters.mean_effective_pressure is None:
+            return share
+        return share + parameters.mean_effective_pressure * machine.swept_volume / machine.pitch * abs(figures.omega)
 
     return [PowerLoss("mechanical_power", power, friction=True)]
 

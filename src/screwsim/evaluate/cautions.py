@@ -28,10 +28,7 @@ CONTRADICTS = 1.0  # [K] between a stated separator temperature and that of its 
 OPEN_TO_SUCTION = math.radians(1.0)  # of a plenum's port before the end of suction, tolerated
 HARDLY_KNOWN = 0.01  # relative error of figures over the net flow that deserves a warning
 OVER_FLOW = "specific_power", "oil_flow_ratio", "economizer_flow_ratio", "liquid_injection_flow_ratio"
-LOST, LOST_DRY = (
-    0.02,
-    0.05,
-)  # of the shaft power: heat with backflow to suction, or from outside, that deserves a warning
+LOST, LOST_DRY = 0.02, 0.05  # of the shaft power: heat to suction, or from outside, that deserves a warning
 
 
 def warnings(of: Evaluation) -> Iterator[str]:

@@ -5,8 +5,7 @@ for ESEER: 3, 33, 41, 23 %. EN 14825 for SEER (space cooling, water at a fixed 7
 cooling, water at 7 °C; Regulation (EU) 2016/2281 has the same) and SCOP (space heating, average climate, water of 35 or
 55 °C at −10 °C outdoors, colder in milder weather). Weights of these three follow from the hours at each outdoor
 temperature and the load there, and COPs are interpolated between the points; hours times load of SCOP add up to the
-2066 h at full load of Regulation (EU) 811/2013. All of them rate a whole chiller or heat
-pump.
+2066 h at full load of Regulation (EU) 811/2013. All of them rate a whole chiller or heat pump.
 """
 
 from collections.abc import Mapping, Sequence
