@@ -131,9 +131,9 @@ def test_the_torques_close_at_the_pitch_point(pressures, loads):
     on_female = -pair.r2 * c["female_contact_force_y"]  # it turns counter-clockwise, and the gas holds it back
     np.testing.assert_allclose(on_female, c["female_torque"], rtol=1e-13, atol=1e-13)
     on_male = pair.r1 * c["male_contact_force_y"]
-    np.testing.assert_allclose(c["shaft_torque"], c["male_torque"] + on_male, rtol=1e-13)
+    np.testing.assert_allclose(c["gas_torque"], c["male_torque"] + on_male, rtol=1e-13)
     power = c["male_torque"] + pair.k * c["female_torque"]  # over the male's speed
-    np.testing.assert_allclose(c["shaft_torque"], power, rtol=1e-13)
+    np.testing.assert_allclose(c["gas_torque"], power, rtol=1e-13)
     for way in "xyz":
         np.testing.assert_array_equal(c[f"male_contact_force_{way}"], -c[f"female_contact_force_{way}"])
     assert c["female_contact_force_x"].min() >= 0.0  # flanks push, whichever of them touch
@@ -161,7 +161,7 @@ def test_a_uniform_pressure_loads_no_bearing(name):
     for key, values in columns.items():
         if "end_force" not in key:
             assert np.max(np.abs(values)) < 1e-6, key  # of thousands of newtons
-    assert len(columns["shaft_torque"]) == PITCH_POINTS
+    assert len(columns["gas_torque"]) == PITCH_POINTS
 
 
 def test_sectors_of_an_end_face_have_area_and_centroid_of_what_they_are():

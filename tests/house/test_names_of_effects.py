@@ -32,6 +32,7 @@ ALLOWED = {
     "evaluate/ledger/book.py": ({"oil_injection", "suction_line"}, FIGURES),
     "explain/__init__.py": ({"suction_port", "discharge_port"}, SECTIONS),
     "export/loads.py": ({"suction_port", "discharge_port"}, REMEDY),
+    "export/rotor_loads.py": ({"gas_torque"}, FIGURES),
     "machine/profile_law.py": ({"blow_hole"}, WORDS),
     "machine/rotors/curves.py": ({"blow_hole"}, WORDS),
     "machine/settings.py": ({"suction_port", "discharge_port"}, SECTIONS),

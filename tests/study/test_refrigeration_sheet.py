@@ -245,6 +245,14 @@ def test_it_prints_within_a_terminal_and_writes_a_page_and_a_pdf(sheet, tmp_path
     assert Path(write_sheet(sheet, tmp_path / "sheet.pdf")).read_bytes().startswith(b"%PDF")
 
 
+def test_it_says_what_the_command_line_changes_in_the_scene_of_its_title(capsys, tmp_path):
+    narrow = ["--evaporating", "0 degC..5 degC", "--condensing", "40 degC..45 degC", "-o", str(tmp_path / "sheet.html")]
+    words = ["datasheet", str(CONTROL), *narrow, "--set", "operation.superheat=8 K", "--without", "slide_valve"]
+    assert exit_code(words) == 0
+    assert "\nchanged      with operation.superheat=8 K, without slide_valve\n" in capsys.readouterr().out
+    assert "with operation.superheat=8 K, without slide_valve" in (tmp_path / "sheet.html").read_text(encoding="utf-8")
+
+
 def test_its_document_is_in_si(sheet):
     found = json.loads(json.dumps(sheet.document))
     assert found["kind"] == "refrigeration" and len(found["points"]) == 6

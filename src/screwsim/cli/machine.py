@@ -4,6 +4,7 @@ import re
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
@@ -122,6 +123,8 @@ def datasheet(
     ranges = dict(zip(RANGE_OPTIONS, (evaporating, condensing, suction, discharge), strict=True))
     with options.counted_progress("datasheet", "parts") as shown:
         sheet = sheet_of(rated, SheetOptions(ranges, limits or (), heating, profile, jobs, shown, units))
+    if changes := options.changes(overrides, without):  # the title may name what they replace
+        sheet = replace(sheet, lines=[*sheet.lines, ("changed", ", ".join(changes))])
     options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)
     if output is not None:
         options.print_files([write_sheet(sheet, output)], as_json)

@@ -121,7 +121,7 @@ def loads_of(pressures: Pressures, supports: Supports = BARE) -> tuple[Array, di
         carried = bearing_forces(own, rotors.length, spans)
         shown |= {key.replace("_bearing", "_bearing_total"): values for key, values in carried.items()}
         columns |= {f"{name}_{key}": values for key, values in shown.items()}
-    columns["shaft_torque"] = found["male"]["torque"] + found["male"]["contact_torque"]
+    columns["gas_torque"] = found["male"]["torque"] + found["male"]["contact_torque"]
     return angle, columns
 
 
