@@ -105,7 +105,8 @@ def test_a_blend_by_mole_is_another():
         ),
         (
             ("effects.refrigerant_solubility={}",),
-            "effects.refrigerant_solubility: covers R134a in POE oil only, not R454B (remove the effect)",
+            "effects.refrigerant_solubility: covers R134a in POE oil only, not R454B (state points_file, with measured "
+            "points of R454B, or remove the effect)",
         ),
         (
             ("effects.economizer={area: 2 cm^2, opens: 1 rad, closes: 2 rad, temperature: 288 K, kind: flash_tank}",),
