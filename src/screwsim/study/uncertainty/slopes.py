@@ -216,6 +216,11 @@ def _shifts(leaf: Leaf, value: float) -> tuple[float, float]:
     step = DIFFERENCE_STEP * size_of(leaf, value)
     step = TEMPERATURE_STEP if leaf.kind in ("temperature", "temperature_difference") else step
     step = min(step, LARGEST_ANGLE_STEP) if leaf.kind == "angle" else step
+    return within_limits(leaf, value, step)
+
+
+def within_limits(leaf: Leaf, value: float, step: float) -> tuple[float, float]:
+    """Return a step up and one down (negative), 0 where it would leave the limits of the leaf."""
     most = leaf.limits.get("le", leaf.limits.get("lt"))
     least = leaf.limits.get("ge", leaf.limits.get("gt"))
     up = step if most is None or value + step <= most else 0.0

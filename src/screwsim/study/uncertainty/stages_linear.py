@@ -22,7 +22,7 @@ from screwsim.scene.operation import P_D, P_S, QUALITY, T_S
 from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.figures import StagePair, chain_figures, delivery_temperature
 from screwsim.study.stages.solve import ChainSolver
-from screwsim.study.uncertainty.slopes import Sensitivities, scene_sensitivities, size_of
+from screwsim.study.uncertainty.slopes import Sensitivities, scene_sensitivities, size_of, within_limits
 from screwsim.study.uncertainty.spreads import Tolerances, Uncertainty, groups_of, spreads_of
 
 if TYPE_CHECKING:
@@ -92,17 +92,19 @@ class ChainDerivatives:
     def _add(self, name: str, by_pressure: float) -> None:
         """Add the derivatives by one input; `by_pressure` is that of the residual [1/Pa]."""
         value = self.values[name] = float(self._linear.chain.value_at(name))
-        step = INPUT_STEP * size_of(self._linear.chain.leaf_of(name), value)
-        above, below = (self._linear.at(name, value + by, 0.0)[1].excess for by in (step, -step))
-        dp = -(above - below) / (2.0 * by_pressure)  # over the step
-        (up, high), (down, low) = (self._linear.at(name, value + way * step, way * dp) for way in (1.0, -1.0))
+        leaf = self._linear.chain.leaf_of(name)
+        steps = within_limits(leaf, value, INPUT_STEP * size_of(leaf, value))  # at an end of its range to one side only
+        width = steps[0] - steps[1]
+        above, below = (self._linear.at(name, value + by, 0.0)[1].excess for by in steps)
+        slope = -(above - below) / (width * by_pressure)  # of the pressure
+        (up, high), (down, low) = (self._linear.at(name, value + by, slope * by) for by in steps)
         figures = [chain_figures(solver, pair)[0] for solver, pair in ((up, high), (down, low))]
         asked = {figure: value for figure, value in figures[0].items() if not STAGES[figure].scale.unasked}
-        _add_slopes(self.whole, name, (asked, figures[1]), 2.0 * step)
+        _add_slopes(self.whole, name, (asked, figures[1]), width)
         for number, into in enumerate(self.stages):
             there = self._linear.slopes[number].derivatives
             one = {figure: value for figure, value in high.results[number].performance.items() if figure in there}
-            _add_slopes(into, name, (one, low.results[number].performance), 2.0 * step)
+            _add_slopes(into, name, (one, low.results[number].performance), width)
 
     def uncertainty(self, result: Result, slopes: Slopes, tolerances: Tolerances) -> Uncertainty:
         """Return the uncertainties of a result's figures with these derivatives."""
