@@ -137,4 +137,5 @@ def test_points_that_give_no_law_are_refused_with_their_line(propane):
     liquid = points[3]._replace(p=1.01 * propane.p_sat(points[3].T))
     assert "line 5: 3.48733 bar is not below 3.4528 bar, at which R290 condenses at" in refused([liquid, *points])
     hot = points[3]._replace(T=368.0)
-    assert "line 5: 94.85 degC is outside" in refused((hot, *points))
+    told = refused((hot, *points))
+    assert "line 5: 94.85 degC is outside" in told and "(write it in degC, or leave the row out)" in told

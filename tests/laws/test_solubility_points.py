@@ -40,6 +40,14 @@ def test_any_oil_may_have_points(points):
     assert make({**SOLUBLE, "oil": oil, f"{SOLUBILITY}.points_file": points}).oil.name == "mineral_46"
 
 
+def test_a_separator_at_the_end_of_the_points_may_be_passed_by_what_a_search_leaves_open(points):
+    at = {**SOLUBLE, f"{SOLUBILITY}.points_file": points}
+    assert make({**at, f"{SOLUBILITY}.separator_temperature": "90.05 degC"}).effects
+    assert "90.2 degC lies outside -10 degC to 90 degC, where the solubility" in refusal(
+        {**at, f"{SOLUBILITY}.separator_temperature": "90.2 degC"}
+    )
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -47,7 +55,7 @@ def test_any_oil_may_have_points(points):
             {"gas.fluid": "R407C"},
             "points_file: is for a pure refrigerant; of R407C an oil dissolves another",
         ),
-        ({f"{SOLUBILITY}.separator_temperature": "94 degC"}, "lies outside -10 degC to 90 degC, where the solubility"),
+        ({f"{SOLUBILITY}.separator_temperature": "94 degC"}, "is known (choose one inside, add points there, or"),
         (
             {f"{SOLUBILITY}.separator_temperature": "50 degC"},
             "at 50 degC and 12 bar the oil holds more than the 30 % up to which points_file tells (state a warmer",

@@ -78,6 +78,7 @@ ROWS = 401  # rows of those tables
 OTHERWISE = "state another one, or remove flash_time"
 TO_MOST = 0.05  # of the most that a law knows: least content that is looked at for the end of the tables
 FLAT = 1e-4  # distance from saturation, over its pressure, from which on a solution's tables end
+BEYOND = 0.1  # [K] tolerated beyond the law's temperatures: a search passes a thermostat's by less
 APART = 5.0  # [K] least distance of the two temperatures that the heat of solution is derived from
 
 
@@ -270,10 +271,11 @@ def check(parameters: Parameters, facts) -> list[Fault]:
         remedy = f"write e.g. separator_temperature: 60 degC, or name effects.{SEPARATOR}, which finds it"
         faults.append(Fault(f"{path}.separator_temperature", f"is missing ({remedy})"))
     for where, T in stated.items():
-        if T is not None and not law.low <= T <= law.high:
+        if T is not None and not law.low - BEYOND <= T <= law.high + BEYOND:
             reach = f"{in_celsius(law.low)} to {in_celsius(law.high)}, where the solubility is known"
-            what = f"{in_celsius(T)} lies outside {reach} (choose one inside, or remove effects.{NAME})"
-            faults.append(Fault(where, what))
+            others = "" if parameters.points_file is None else " add points there,"
+            remedy = f"choose one inside,{others} or remove effects.{NAME}"
+            faults.append(Fault(where, f"{in_celsius(T)} lies outside {reach} ({remedy})"))
     p_d, T = discharge_pressure(facts), parameters.separator_temperature
     return faults if faults or p_d is None or T is None else _faults_of_separator(parameters, facts, law, p_d, T)
 

@@ -208,11 +208,12 @@ def _check_points(fluid: str, points: Sequence[Point]) -> None:
     for each in points:
         if not known.T_triple < each.T <= highest:
             ends = f"{in_celsius(known.T_triple)} to {in_celsius(highest)}, where the law of M198 holds for {fluid}"
-            raise UsageError(f"line {each.line}: {in_celsius(each.T)} is outside {ends} (leave the row out)")
+            what = f"{in_celsius(each.T)} is outside {ends}"
+            raise UsageError(f"line {each.line}: {what} (write it in degC, or leave the row out)")
         p_sat = constants.dew_pressure(fluid, each.T)
         if each.p >= p_sat:
             what = f"{in_bar(each.p)} is not below {in_bar(p_sat)}, at which {fluid} condenses at {in_celsius(each.T)}"
-            raise UsageError(f"line {each.line}: {what} (write absolute pressures; leave out rows of liquid)")
+            raise UsageError(f"line {each.line}: {what} (write absolute pressures in bar; leave out rows of liquid)")
     T, contents = [each.T for each in points], {each.ratio for each in points}
     if len(points) < FEWEST or max(T) - min(T) < SPREAD or len(contents) < FEWEST // 2:
         what = f"needs at least {FEWEST} points, with {FEWEST // 2} contents and {SPREAD:g} K from coldest to warmest"
