@@ -449,7 +449,8 @@ def test_an_override_without_a_stage_is_told_of_scenes_with_faults_too(chain):
         ({"third": 3}, "third: is not known in a two-stage file"),
         ({"intercooler": {"kind": "cooler"}}, "outlet_temperature: is missing"),
         ({"intercooler": {"outlet_temperature": "300 K"}}, "outlet_temperature: belongs to kind: cooler"),
-        ({"intercooler": {"kind": "economizer"}}, "needs operation.condensing_temperature"),
+        ({"intercooler": {"kind": "economizer"}}, "economizer needs operation.condensing_temperature"),
+        ({"intercooler": {"kind": "flash_intercooler"}}, "flash_intercooler needs operation.condensing_temperature"),
         (
             {"high": {**ECONOMIZER, **HIGH}},
             "the second scene names economizer, which draws gas that the balance between the stages does not include",

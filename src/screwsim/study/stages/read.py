@@ -158,7 +158,7 @@ def _files(root: Node, node: Node, problems: LocatedFaults) -> list[str] | None:
 
 
 def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str, Any], problems: LocatedFaults) -> None:
-    """Add faults of what does not go together: gases, expanders, drawn gas, an economizer without a condenser."""
+    """Add faults of what does not go together: gases, expanders, drawn gas, a flash tank without a condenser."""
     place = content[STAGES].place
     for name, scene in zip(STAGE_NAMES, (first, second), strict=True):
         for effect, part in build_parts(scene).all(Plenum):
@@ -191,6 +191,6 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
         remedy = "write kind: cooler, or name a pure fluid"
         problems.add(content["intercooler"].place, "intercooler.kind", f"{what} ({remedy})")
     if between.flashes and condensate_enthalpy(second) is None:
-        what = "economizer needs operation.condensing_temperature or gas_cooler in the second scene"
+        what = f"{between.kind} needs operation.condensing_temperature or gas_cooler in the second scene"
         what = f"{what}: its liquid feeds the tank"
         problems.add(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)")
