@@ -177,20 +177,21 @@ def test_debugging_shows_the_traceback(folder, command, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("verb", "scene", "hint"),
+    ("given", "hint"),
     [
-        ("sweep", "swept.yaml", "; the same command begins anew, as no block was finished"),
-        ("sweep", "begun.yaml", "; the same command resumes the sweep"),
-        ("explain", "small.yaml", ""),
+        (("sweep", "swept.yaml"), "; the same command begins anew, as no block was finished"),
+        (("sweep", "begun.yaml"), "; the same command resumes the sweep"),
+        (("sweep", "swept.yaml", "-oresults/begun.h5"), "; the same command resumes the sweep"),
+        (("explain", "small.yaml"), ""),
     ],
 )
-def test_interrupt_has_its_own_code(folder, command, monkeypatch, verb, scene, hint):
+def test_interrupt_has_its_own_code(folder, command, monkeypatch, given, hint):
     def interrupt(*_: object) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(cli.options, "loaded_scene", interrupt)
     (folder / "results" / "begun.h5.parts").mkdir(parents=True)
-    answer = command(verb, scene)
+    answer = command(*given)
     assert (answer.code, answer.out) == (130, "")
     assert answer.err == f"interrupted{hint}\n"
 

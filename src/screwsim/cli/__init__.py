@@ -112,7 +112,7 @@ def _how_to_resume(arguments: Sequence[str]) -> str:
     """Return that an interrupted command can be given again; '' where it would begin anew."""
     if "--restart" in arguments:
         return "; without --restart the same command goes on with what is stored"
-    stated = arguments[arguments.index("-o") + 1] if "-o" in arguments[:-1] else ""
+    stated = _stated_output(arguments)
     if "sweep" in arguments[:1]:
         stems = [Path(each).stem for each in arguments[1:] if each.endswith((".yaml", ".yml"))]
         files = [stated] if stated else [f"results/{stem}{ending}" for stem in stems[:1] for ending in (".h5", ".csv")]
@@ -121,6 +121,14 @@ def _how_to_resume(arguments: Sequence[str]) -> str:
     if "optimize" in arguments[:1] and stated:
         kept = "continues where it stopped" if _is_kept(stated) else "begins anew, as no batch was finished"
         return f"; the same command {kept}"
+    return ""
+
+
+def _stated_output(arguments: Sequence[str]) -> str:
+    """Return the file behind -o, or joined to it (`-oOUT.h5`); empty without one."""
+    for number, each in enumerate(arguments):
+        if each.startswith("-o"):
+            return each[2:] or "".join(arguments[number + 1 : number + 2])
     return ""
 
 
