@@ -28,14 +28,17 @@ def of_points(oil: Any, stored: Sequence[Any]) -> list[Point]:
     return [Point(i, each.T, each.p, measured.ratio(each.loading, mass)) for i, each in enumerate(kept, 1)]
 
 
-def held_out(points: Sequence[Point]) -> float:
-    """Return the root mean square by which laws fitted to every other point miss the rest's pressures."""
+def held_out(points: Sequence[Point]) -> str:
+    """Return in words by how much laws fitted to every other point miss the rest's pressures (root mean square)."""
     off = []
     for part in (0, 1):
-        law = Measured(FLUID, points[part::2])
+        try:
+            law = Measured(FLUID, points[part::2])
+        except UsageError:
+            return "too few to leave every other one out"
         rest = [each for each in points[1 - part :: 2] if law.low <= each.T <= law.high and each.ratio <= law.most]
         off += [law.equilibrium_pressure(each.ratio, each.T) / each.p - 1.0 for each in rest]
-    return float(np.sqrt(np.mean(np.square(off))))
+    return f"fitted to every other one, {100.0 * float(np.sqrt(np.mean(np.square(off)))):.1f} % at the rest"
 
 
 def content_at(law: Measured) -> float:
@@ -48,13 +51,13 @@ def fitted_row(oil: Any, stored: Sequence[Any]) -> Row:
     """Return by how much M198 misses the pressures of the points that it is fitted to."""
     quantity, points = f"M198 fitted to {oil.words}: root mean square of its pressures", of_points(oil, stored)
     try:
-        law, rest = Measured(FLUID, points), held_out(points)
+        law = Measured(FLUID, points)
     except UsageError as error:
         return Row(quantity, None, None, "calibrated", "no verdict", note=f"not fitted: {error}")
     others = (type("Other", (Measured,), {"oil_density": density})(FLUID, points) for density in DENSITIES)
     moved = max(abs(content_at(other) / content_at(law) - 1.0) for other in others)
     note = (
-        f"{len(points)} points; fitted to every other one, {100.0 * rest:.1f} % at the rest; with "
+        f"{len(points)} points; {held_out(points)}; with "
         f"{DENSITIES[0]:g} or {DENSITIES[1]:g} kg/m³ for {law.oil_density:g} the content at {AT[0] - 273.15:.0f} °C, "
         f"{AT[1]:g} of saturation, changes by {100.0 * moved:.2f} %"
     )

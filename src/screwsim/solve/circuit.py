@@ -47,6 +47,7 @@ OPEN = 0.2  # of the wanted accuracy: admissible residual of the circuit over th
 NOISE = 2.0  # error of a cycle's residuals over the larger of its last turn's change and its open balances
 LEAST_DECAY = 0.05  # smallest −(real part of an eigenvalue) of a Jacobian that is accepted
 LONGEST_STEP = 40.0  # [K, kPa], longest step
+STAYS = 3  # cycles that held an unknown at an end of its range, from which on it does not leave with the others' steps
 HALVINGS = 6  # of a step to impossible oil or effects, or to where no cycle closes or one implies nothing
 WARMER_STARTS = (15.0, 30.0, 50.0)  # [K] above the first guess, tried where no cycle closes with that
 CONTRACTION = 0.1  # expected ratio of the residual after a step to that before ...
@@ -77,6 +78,7 @@ class SurroundingsSearch:
     why: str = ""  # why it ended without a solution
     jacobian: Array | None = None
     last: _Seen | None = None  # the cycle before
+    held: Array | None = None  # how many cycles have held each unknown at an end of its range
     noise: float = 0.0  # error of the last cycle's residuals over the shaft power
     response: Array | None = None  # the Jacobian as steps of at least `LEAST_DISTANCE` alone have it, for errors
     seen: list[_Seen] = field(default_factory=list)
@@ -97,7 +99,8 @@ class SurroundingsSearch:
             moved, change = x - self.last.x, off - self.last.off
             self.jacobian = _learnt(self.jacobian, change, moved, _weight(moved, wrong, self.last.wrong))
         self.last = _Seen(x, off, wrong)
-        free, found = asked.free, np.zeros(len(off))  # an unknown held at its end must not leave with the others
+        self.held = ~asked.free + (0 if self.held is None else self.held)
+        free, found = asked.free | (self.held < STAYS), np.zeros(len(off))
         found[free] = -np.linalg.solve(self.jacobian[np.ix_(free, free)], off[free])
         largest = float(np.max(np.abs(found)))
         return found * min(1.0, LONGEST_STEP / largest) if largest > 0.0 else found
