@@ -85,10 +85,18 @@ def test_it_holds_up_to_where_pressures_no_longer_rise():
     points = points_of(more.equilibrium_pressure, (*PERCENT, 50.0, 70.0, 85.0, 93.0))
     law = Measured("R290", [each for each in points if each.p < 0.999 * more.p_sat(each.T)])
     assert ratio(50.0) < law.most < ratio(90.0)
-    for T in (law.low, 300.0, law.high):
+    for T in (law.known_from, 300.0, law.high):
         contents = np.geomspace(1e-6, law.most, 200)
         assert (np.diff([law.log_activity(float(each), T) for each in contents]) > 0.0).all()
     assert law.content(0.999 * law.p_sat(300.0), 300.0) <= law.most
+
+
+def test_oil_that_flashing_cools_below_the_points_follows_the_law_on(propane):
+    """Held at the coldest point of 55 degC, 0.3 of what is dissolved at 35 degC was missing."""
+    law = law_of_points("R290", points_of(propane.equilibrium_pressure, celsius=(55.0, 70.0, 85.0)))
+    assert law.known_from == pytest.approx(328.15) and law.low == pytest.approx(298.15)
+    assert law.content(3e5, 308.15) == pytest.approx(propane.content(3e5, 308.15), rel=2e-3)
+    assert law.content(3e5, 308.15) > 1.3 * law.content(3e5, 328.15)
 
 
 def written(folder, *rows, head=HEAD):

@@ -271,8 +271,8 @@ def check(parameters: Parameters, facts) -> list[Fault]:
         remedy = f"write e.g. separator_temperature: 60 degC, or name effects.{SEPARATOR}, which finds it"
         faults.append(Fault(f"{path}.separator_temperature", f"is missing ({remedy})"))
     for where, T in stated.items():
-        if T is not None and not law.low - BEYOND <= T <= law.high + BEYOND:
-            reach = f"{in_celsius(law.low)} to {in_celsius(law.high)}, where the solubility is known"
+        if T is not None and not law.known_from - BEYOND <= T <= law.high + BEYOND:
+            reach = f"{in_celsius(law.known_from)} to {in_celsius(law.high)}, where the solubility is known"
             others = "" if parameters.points_file is None else " add points there,"
             remedy = f"choose one inside,{others} or remove effects.{NAME}"
             faults.append(Fault(where, f"{in_celsius(T)} lies outside {reach} ({remedy})"))

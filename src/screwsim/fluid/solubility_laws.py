@@ -29,15 +29,20 @@ NEAR_CRITICAL = 0.99  # of the critical temperature: highest temperature of poin
 T_0 = 300.0  # [K] of the same law
 COLUMNS = "temperature_degC", "pressure_bar", "refrigerant_percent"
 FEWEST, SPREAD = 6, 20.0  # points, and [K] between the coldest and the warmest
+COOLED = 30.0  # [K] below the coldest point, to which the law is extrapolated
 POOR = 0.3  # relative distance of a point's pressure from the fitted law from which on it is refused
 CHECKED = 7, 400  # temperatures and contents at which pressures are looked at
 
 
 class SolubilityLaw:
-    """What one oil dissolves of one refrigerant, from `low` to `high` [K] and up to `most` [kg/kg]."""
+    """What one oil dissolves of one refrigerant, from `low` to `high` [K] and up to `most` [kg/kg].
+
+    Below `known_from` [K] it is an extrapolation, for oil that flashing cools.
+    """
 
     def __init__(self, fluid: str, low: float, high: float, most: float) -> None:
         self.fluid, self.low, self.high, self.most = fluid, low, high, most
+        self.known_from = low
 
     @cached_property
     def _saturation(self) -> tuple[Pchip, Pchip]:
@@ -112,7 +117,9 @@ class Measured(SolubilityLaw):
     def __init__(self, fluid: str, points: Sequence[Point]) -> None:
         _check_points(fluid, points)
         T = [each.T for each in points]
-        super().__init__(fluid, min(T), max(T), max(each.ratio for each in points))
+        low = max(min(T) - COOLED, _ends(fluid)[0])
+        super().__init__(fluid, low, max(T), max(each.ratio for each in points))
+        self.known_from = min(T)
         rows, logarithms = [], []
         for each in points:
             ideal, oil = self._ideal(each.ratio, each.T)
@@ -134,7 +141,7 @@ class Measured(SolubilityLaw):
     def _rising(self) -> float:
         """Return the content [kg/kg], `most` at most, up to which pressures rise with it at all temperatures."""
         contents = np.geomspace(self.most / CHECKED[1], self.most, CHECKED[1])
-        for T in np.linspace(self.low, self.high, CHECKED[0]):
+        for T in np.linspace(self.known_from, self.high, CHECKED[0]):
             falls = np.diff([self.log_activity(float(each), float(T)) for each in contents]) <= 0.0
             contents = contents[: 1 + int(np.argmax(falls))] if falls.any() else contents
         return float(contents[-1])
@@ -200,14 +207,19 @@ def law_of_points(fluid: str, points: tuple[Point, ...]) -> Measured:
     return Measured(fluid, points)
 
 
-def _check_points(fluid: str, points: Sequence[Point]) -> None:
-    """Raise UsageError for a point beside the vapour's saturation, and for too few or too similar ones."""
+def _ends(fluid: str) -> tuple[float, float]:
+    """Return the temperatures [K] between which a law refers to a fluid's saturation."""
     known = constants.limits(fluid)
     assert known is not None  # a fluid of a scene
-    highest = NEAR_CRITICAL * known.T_critical
+    return known.T_triple, NEAR_CRITICAL * known.T_critical
+
+
+def _check_points(fluid: str, points: Sequence[Point]) -> None:
+    """Raise UsageError for a point beside the vapour's saturation, and for too few or too similar ones."""
+    lowest, highest = _ends(fluid)
     for each in points:
-        if not known.T_triple < each.T <= highest:
-            ends = f"{in_celsius(known.T_triple)} to {in_celsius(highest)}, where the law of M198 holds for {fluid}"
+        if not lowest < each.T <= highest:
+            ends = f"{in_celsius(lowest)} to {in_celsius(highest)}, where the law of M198 holds for {fluid}"
             what = f"{in_celsius(each.T)} is outside {ends}"
             raise UsageError(f"line {each.line}: {what} (write it in degC, or leave the row out)")
         p_sat = constants.dew_pressure(fluid, each.T)
