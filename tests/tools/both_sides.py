@@ -22,22 +22,15 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(Path(__file__).parent)]
 import fuzz_new  # noqa: E402
 
+import derivatives  # noqa: E402
 from screwsim.derivatives import solving  # noqa: E402
 from screwsim.inputs.faults import ImpossibleValue, SceneError, UsageError  # noqa: E402
 from screwsim.scene import Scene, load, loads  # noqa: E402
 from screwsim.simulate import simulate  # noqa: E402
-from screwsim.study.sizing import sized_machine, with_steady_port  # noqa: E402
 from screwsim.study.uncertainty.slopes import numeric_paths  # noqa: E402
-from screwsim.template import new_scene, request_of  # noqa: E402
 
 APART = 1e-2  # relative difference of the slopes to both sides that is told
 LEAST = 1e-2  # percent per percent: what counts for less is compared with that
-NO_SCENES = (".fit.yaml", ".stages.yaml")
-
-
-def shipped() -> list[Path]:
-    """Return the files of all shipped scenes."""
-    return [each for each in sorted((ROOT / "configs").rglob("*.yaml")) if not each.name.endswith(NO_SCENES)]
 
 
 def of_files(files: list[Path]) -> Iterator[tuple[str, Scene]]:
@@ -54,9 +47,7 @@ def new(count: int, random: np.random.Generator) -> Iterator[tuple[str, Scene]]:
     for _ in range(count):
         kind, stated = fuzz_new.drawn(random)
         try:
-            asked = request_of(**stated)
-            text = sized_machine(kind, asked).text if "capacity" in stated else new_scene(kind, asked)
-            yield f"{kind} {stated}", loads(with_steady_port(text) if stated.get("economizer") else text)
+            yield f"{kind} {stated}", loads(fuzz_new.written(kind, stated))
         except UsageError:
             continue
 
@@ -94,7 +85,11 @@ def main() -> None:
     parser.add_argument("--paths", type=int, default=14, help="numbers of a scene, at random")
     asked = parser.parse_args()
     random, total, told = np.random.default_rng(asked.seed), 0, 0
-    scenes = new(asked.new, random) if asked.new else of_files(asked.scenes or shipped())
+    scenes = (
+        new(asked.new, random)
+        if asked.new
+        else of_files(asked.scenes or [ROOT / each for each in derivatives.configs()])
+    )
     for name, scene in scenes:
         values = {path: value for path, value in numeric_paths(scene)[0].items() if value}
         some = random.permutation(list(values))[: asked.paths]

@@ -161,15 +161,19 @@ def contradicted(scene: Scene, result: Result) -> Iterator[str]:
         return
 
 
+def written(kind: str, stated: dict[str, Any]) -> str:
+    """Return the scene that a request gives; raise UsageError where it is refused."""
+    asked = request_of(**stated)
+    if "capacity" in stated:
+        return sized_machine(kind, asked).text
+    text = new_scene(kind, asked)
+    return with_steady_port(text) if stated.get("economizer") else text
+
+
 def judged(kind: str, stated: dict[str, Any]) -> tuple[str, str]:
     """Return what became of a request, with the reason: ok, warned, refused, or the status of a failed run."""
     try:
-        asked = request_of(**stated)
-        if "capacity" in stated:
-            text = sized_machine(kind, asked).text
-        else:
-            text = new_scene(kind, asked)
-            text = with_steady_port(text) if stated.get("economizer") else text
+        text = written(kind, stated)
     except UsageError as refusal:
         return "refused", str(refusal)
     scene = loads(text)

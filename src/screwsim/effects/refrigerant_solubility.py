@@ -131,7 +131,7 @@ def _flashes(
     """Return pressures [Pa] up to p_d and the gas that flashes at each [kg/kg] (M196), in `POINTS` rows.
 
     Rows are dense in the flashed amount where it begins and where it ends; their pressures follow from it without a
-    search. One row lies where the oil reaches the coldest temperature of the solubility data. As many rows, whether it
+    search. One row lies where the oil reaches the law's coldest temperature. As many rows, whether it
     begins to flash below p_d or only there, let the table change smoothly as the supply passes the separator's
     temperature.
     """
