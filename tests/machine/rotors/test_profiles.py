@@ -255,3 +255,15 @@ def test_a_corner_in_the_points_is_refused():
 
 def test_circle_that_misses_the_tip_is_refused():
     assert "do not touch" in _refusal(circular, Pair(4, 6, 80 * MM, 33 * MM, 58 * MM), 3 * MM)
+
+
+@pytest.mark.parametrize("r4", [3.0, 4.0, 5.0])
+def test_a_wide_female_tip_goes_on_where_the_circle_ends(r4):
+    """From the pitch point the tip's centre may lie on the near side of its circle: the flanks meet there, too."""
+    pair = Pair(3, 5, 100 * MM, 53.5 * MM, 62.5 * MM)
+    distance = pair.addendum + r4 * MM
+    assert distance**2 < pair.r2**2 - (pair.female_radius - r4 * MM) ** 2  # the near side
+    chain = circular(pair, r4 * MM)
+    assert np.hypot(np.diff(chain.x), np.diff(chain.y)).max() < 0.1 * MM  # a point's spacing: no jump
+    assert max(mesh(pair, chain)) < 1e-3 * MM
+    assert check_profile(pair, chain) == []
