@@ -22,6 +22,7 @@ from screwsim.machine.rotors.sections import TURN, Sections, sections
 from screwsim.machine.rotors.settings import CIRCULAR, POINTS, RACK, Profile, check_settings
 from screwsim.numerics.roots import bisected
 
+SAME = 1e-9  # relative difference below which a chamber's volume does not change: rounding
 MOST_CACHED = 64  # rotors that a process caches, with their curves; a study of profiles makes ever new ones
 
 
@@ -83,11 +84,13 @@ class Rotors:
 
     @cached_property
     def largest(self) -> tuple[float, float]:
-        """φ of the largest volume [rad], and that volume [m³]."""
+        """φ of the largest volume [rad], and that volume [m³]; the last φ where it stays for a while (a short wrap)."""
         grid = np.linspace(self.start, self.wrap, 721)
-        i = int(np.argmax(self.volume(grid)))
+        volume = self.volume(grid)
+        full = np.flatnonzero(volume >= (1.0 - SAME) * volume.max())
+        i, least = int(full[-1]), 0.0 if len(full) == 1 else -SAME * self.h * self.sections.grooves
         low, high = float(grid[max(i - 1, 0)]), float(grid[min(i + 1, 720)])
-        low, high = bisected(lambda phi: float(self.volume_slope(np.array(phi))) > 0.0, low, high)
+        low, high = bisected(lambda phi: float(self.volume_slope(np.array(phi))) > least, low, high)
         angle = 0.5 * (low + high)
         return angle, float(self.volume(np.array(angle)))
 
