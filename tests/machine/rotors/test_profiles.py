@@ -239,7 +239,12 @@ def test_missing_parameters_are_named():
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [("a,b\n1,2\n", "columns x_mm and y_mm"), ("x_mm,y_mm\n1,2\n", "at least 20"), ("x_mm,y_mm\n1,two\n", "a number")],
+    [
+        ("a,b\n1,2\n", "columns x_mm and y_mm"),
+        ("x_mm,y_mm\n1,2\n", "at least 20"),
+        ("x_mm,y_mm\n1,two\n", "a number"),
+        ("x_mm,y_mm\n" + 25 * "1,2\n" + "nan,3\n", "point 26, nan, 3, is not finite"),
+    ],
 )
 def test_bad_files_are_refused(tmp_path, text, words):
     path = tmp_path / "points.csv"

@@ -28,8 +28,12 @@ def read_profile(path: str) -> tuple[Array, Array]:
     words = "needs the columns x_mm and y_mm with a number in every row"
     with sheet_or_usage_error("name an existing CSV file", path):
         points = np.array(read_sheet(path).numbers("x_mm", "y_mm", words=words))
-    if len(points) < 20 or not np.isfinite(points).all():
-        raise UsageError(f"{path}: has {len(points)} rows; a profile needs at least 20 finite points of one lobe")
+    if len(points) < 20:
+        raise UsageError(f"{path}: has {len(points)} rows; a profile needs at least 20 points of one lobe")
+    beyond = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(beyond):
+        x, y = points[beyond[0]]
+        raise UsageError(f"{path}: point {beyond[0] + 1}, {x:g}, {y:g}, is not finite (correct it, or leave it out)")
     return points[:, 0] * 1e-3, points[:, 1] * 1e-3
 
 
@@ -67,7 +71,8 @@ def _curve(x: Array, y: Array, smoothing: float) -> Segment:
         raise UsageError(
             f"machine.profile.file: the curve turns by {math.degrees(turn[worst]):.0f} deg at x = "
             f"{x[worst + 1] * 1e3:.3f} mm, y = {y[worst + 1] * 1e3:.3f} mm "
-            "(give more points there, round the corner, or set machine.profile.tolerance)"
+            "(give more points there, all in order from root to root, round the corner, or set "
+            "machine.profile.tolerance)"
         )
     angle = tangents(step, chord)
     way = np.concatenate([[0.0], np.cumsum(step)])
