@@ -272,3 +272,18 @@ def test_a_wide_female_tip_goes_on_where_the_circle_ends(r4):
     assert np.hypot(np.diff(chain.x), np.diff(chain.y)).max() < 0.1 * MM  # a point's spacing: no jump
     assert max(mesh(pair, chain)) < 1e-3 * MM
     assert check_profile(pair, chain) == []
+
+
+def test_points_of_which_a_stretch_of_contact_is_lost_are_refused(pairs, tmp_path):
+    """Points 0.2 mm apart, exact: a loop beside the tip takes 10 mm of the flank with it, and 0.4 % of V_max."""
+    x, y = (line[slice(pairs["b"].chain.edges[0], pairs["b"].chain.edges[1] + 1)] for line in pairs["b"].chain.male)
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+    path = tmp_path / "lobe.csv"
+
+    def made(count):
+        even = np.linspace(0.0, way[-1], count)
+        path.write_text(profile_csv(np.interp(even, way, x), np.interp(even, way, y)))
+        return make_rotors(points(path), 4, 6, 100 * MM, 110 * MM)
+
+    assert re.search(r"differ from those of their grooves by 0\.61 %: stretches", _refusal(made, 500))
+    assert made(1000).largest[1] == pytest.approx(pairs["b"].largest[1], rel=5e-5)

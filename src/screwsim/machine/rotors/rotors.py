@@ -15,10 +15,10 @@ import numpy as np
 
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.rotors import closed_form, fairing, imported
-from screwsim.machine.rotors.checks import check_blow_holes, check_pair, check_profile, check_size
+from screwsim.machine.rotors.checks import check_blow_holes, check_pair, check_profile, check_size, check_swept
 from screwsim.machine.rotors.leakage import BlowHoleOpening, blow_hole_opening, mirrored
 from screwsim.machine.rotors.pair import Array, Chain, Pair
-from screwsim.machine.rotors.sections import TURN, Sections, sections
+from screwsim.machine.rotors.sections import TURN, Sections, sections, sweep
 from screwsim.machine.rotors.settings import CIRCULAR, POINTS, RACK, Profile, check_settings
 from screwsim.numerics.roots import bisected
 
@@ -168,7 +168,9 @@ def make_rotors(
     chain = _checked_chain(pair, replace(profile, wrap_angle=1.0), check, _stamp(profile.file))
     rotors = _rotors(pair, chain, length, profile.wrap_angle)
     if check and profile.measured:
-        _refuse(check_blow_holes(rotors.blow_hole.area(rotors.h), rotors.suction_blow_hole.area(rotors.h)))
+        holes = check_blow_holes(rotors.blow_hole.area(rotors.h), rotors.suction_blow_hole.area(rotors.h))
+        swept = sum(float(step.sum()) for step in sweep(pair, chain))
+        _refuse(holes + check_swept(swept, rotors.sections.grooves))
     return rotors
 
 
