@@ -66,24 +66,40 @@ def test_a_lobe_whose_frame_is_turned_is_the_same_lobe(pairs, angle):
     assert found == pytest.approx(expected, abs=2e-5 * rotors.largest[1])
 
 
-def test_a_rack_in_points_gives_the_leading_flank(pairs):
-    """The rack of (b) mirrored on its trailing side: a symmetric rotor whose leading contact is that of (b)."""
-    pair, rho, alpha, r5 = PAIR, 18 * MM, 35 * DEG, 3 * MM
-    length, yL = rack_line(pair, rho, alpha, r5)
-    g = np.linspace(0.0, 0.5 * math.pi - alpha, 200)
+RHO, ALPHA, R5 = 18 * MM, 35 * DEG, 3 * MM
+
+
+def symmetric_rack():
+    """Return the rack of (b), mirrored on its trailing side: x above the pitch line, y from the tip [m]."""
+    length, yL = rack_line(PAIR, RHO, ALPHA, R5)
+    g = np.linspace(0.0, 0.5 * math.pi - ALPHA, 200)
     line = np.linspace(0.0, length, 100)[1:-1]
-    x = [r5 - pair.dedendum - r5 * np.cos(g), pair.addendum - rho + rho * np.cos(g[::-1])]
-    y = [-yL + r5 * np.sin(g), -rho * np.sin(g[::-1])]
-    x.insert(1, x[0][-1] + line * math.cos(alpha))
-    y.insert(1, y[0][-1] + line * math.sin(alpha))
+    x = [R5 - PAIR.dedendum - R5 * np.cos(g), PAIR.addendum - RHO + RHO * np.cos(g[::-1])]
+    y = [-yL + R5 * np.sin(g), -RHO * np.sin(g[::-1])]
+    x.insert(1, x[0][-1] + line * math.cos(ALPHA))
+    y.insert(1, y[0][-1] + line * math.sin(ALPHA))
     left, along = np.concatenate(x), np.concatenate(y)
-    chain = imported.from_rack(pair, np.append(left, left[-2::-1]), np.append(along, -along[-2::-1]))
-    exact = rack(pair, 1 * MM, 3 * MM, rho, alpha, r5)
+    return np.append(left, left[-2::-1]), np.append(along, -along[-2::-1])
+
+
+def test_a_rack_in_points_gives_the_leading_flank():
+    """Its leading contact is that of (b)."""
+    chain = imported.from_rack(PAIR, *symmetric_rack())
+    exact = rack(PAIR, 1 * MM, 3 * MM, RHO, ALPHA, R5)
     i = slice(exact.edges[0], exact.lead)
     lead = slice(chain.edges[0], chain.lead)
     psi = np.linspace(-0.6, -0.05, 50)
     found, expected = (np.interp(psi, part.psi[cut], part.x[cut]) for part, cut in ((chain, lead), (exact, i)))
     assert found == pytest.approx(expected, abs=2e-3 * MM)
+
+
+@pytest.mark.parametrize("moved", [3 * MM, -40 * MM, PAIR.r1 * PAIR.pitch])
+def test_a_rack_is_the_same_wherever_its_y_begins(moved):
+    """Its phase is that of the lobe's tip, as of points of the lobe; y often counts from the root."""
+    x, y = symmetric_rack()
+    one, other = (imported.from_rack(PAIR, x, y + by) for by in (0.0, moved))
+    assert other.psi == pytest.approx(one.psi, abs=1e-9)
+    assert other.male[1] == pytest.approx(one.male[1], abs=1e-12)
 
 
 def test_smoothing_averages_the_tangent_only():

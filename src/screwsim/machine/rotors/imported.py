@@ -106,23 +106,30 @@ def from_male(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
     tip = int(np.argmax(np.hypot(x, y)))
     psi -= 2.0 * math.pi * round(psi[tip] / (2.0 * math.pi))
     c, s = np.cos(psi), np.sin(psi)
-    contact, turned = (c * x + s * y, c * y - s * x), math.atan2(y[tip], x[tip])
-    if abs(turned) > TURNED:
-        psi -= turned
-        psi -= 2.0 * math.pi * round(psi[tip] / (2.0 * math.pi))
-    return closed(pair, (psi, *contact))
+    return closed(pair, (_turned_back(psi, tip, math.atan2(y[tip], x[tip])), c * x + s * y, c * y - s * x))
+
+
+def _turned_back(psi: Array, tip: int, turned: float) -> Array:
+    """Return ψ [rad] with the lobe's tip on the centre line at ψ = 0, where it is `turned` [rad] from there."""
+    if abs(turned) <= TURNED:
+        return psi
+    return psi - turned - 2.0 * math.pi * round((psi[tip] - turned) / (2.0 * math.pi))
 
 
 def from_rack(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
-    """Return a rack's chain: x above the pitch line, y along it [m], increasing, 0 on the centre line at ψ = 0."""
+    """Return a rack's chain: x above the pitch line, y along it [m], increasing.
+
+    At ψ = 0 the lobe's tip lies on the centre line, wherever y begins (within `TURNED` of the male rotor).
+    """
     x, y, angle = _curve(x, y, smoothing)
     tx, ty = np.cos(angle), np.sin(angle)
     if np.min(ty) <= 0.0:
         raise UsageError(
             "machine.profile.file: the rack runs back along its pitch line (y must grow, or fall, from row to row)"
         )
-    Y = -x * tx / ty
-    return closed(pair, ((y - Y) / pair.r1, pair.r1 + x, Y))
+    X, Y = pair.r1 + x, -x * tx / ty
+    psi, tip = (y - Y) / pair.r1, int(np.argmax(np.hypot(X, Y)))
+    return closed(pair, (_turned_back(psi, tip, psi[tip] + math.atan2(Y[tip], X[tip])), X, Y))
 
 
 def closed(pair: Pair, contact: Segment) -> Chain:
