@@ -159,7 +159,7 @@ OTHER_LOBES = {  # lobes; A, R1, R2, flank radius, wrap [mm, deg]
 
 @pytest.mark.parametrize("lobes", OTHER_LOBES)
 def test_the_torques_are_those_of_virtual_work_whatever_lobes_and_wrap(lobes):
-    """Male within 0.5 %, female within 2 % of the male's (the open blow-hole); their sum is −Σ p dV/dφ of all chambers."""
+    """Male within 0.5 %, female within 2 % of the male's (open blow-hole); both do −Σ p dV/dφ of all chambers."""
     male, female, A, R1, R2, rho, wrap = OTHER_LOBES[lobes]
     profile = f"centre_distance: {A} mm, female_diameter: {2 * R2} mm, wrap_angle: {wrap} deg, male_tip_radius: 1 mm, "
     profile += f"female_tip_radius: 6 mm, flank_radius: {rho} mm, pressure_angle: 33 deg, root_radius: 3 mm"
