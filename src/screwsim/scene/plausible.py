@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects import catalogue
+from screwsim.effects import catalogue, having
 from screwsim.effects.base import Effect
 from screwsim.effects.parts.oil import oil_in_chambers
-from screwsim.effects.parts.usual import LEAK, USUAL, Usual
+from screwsim.effects.parts.usual import LEAK, SLIDES, USUAL, Usual
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses, find_gas_model
 from screwsim.fluid.oils import OILS
@@ -158,12 +158,18 @@ def _of_table(angles: np.ndarray, volumes: np.ndarray) -> tuple[tuple[str, str],
 
 
 def _profile(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield warnings about values of the rotor profile that are not used, and about a lobe that looks mirrored."""
+    """Yield warnings of values of the profile that are not used, of a mirrored lobe, of a slide without its slot."""
     profile = getattr(scene.machine, "profile", None)
     if isinstance(profile, Profile):
         yield from unused_parameters(profile)
         if profile.measured and isinstance(scene.machine, TwinScrew) and scene.machine.volume.from_rotors:
             yield from _mirrored_lobe(scene.machine)
+    slide = scene.machine.slide_valve if isinstance(scene.machine, TwinScrew) else None
+    if slide is not None and slide.position > 0.0:
+        effect = having(SLIDES)[0].rpartition(".")[0]
+        if not any(f"effects.{name}" == effect for name in scene.effects):
+            what = f"moves the radial port alone: the slot to suction opens with {effect}, absent here, so that the"
+            yield "machine.slide_valve.position", f"{what} flow is that of full load (write {effect}: {{}})"
 
 
 def _mirrored_lobe(machine: TwinScrew) -> Iterator[tuple[str, str]]:
