@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures.engineering import engineering, shown_name
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.printing import write_json
 from screwsim.printing.tables import print_scene_title, print_table, print_text
 from screwsim.results import Results
@@ -15,7 +16,6 @@ from screwsim.results.group import OWN
 from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.protection import protect_other_json
 from screwsim.results.warning_kinds import warning_kinds
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, protect_other_columns, write_columns
 from screwsim.study.maps.map_points import MapPoint, place_in_words

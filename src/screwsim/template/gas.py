@@ -10,8 +10,7 @@ from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import FAMILIES
-from screwsim.outputs.customary import RPM
-from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.outputs.customary import RPM, ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.refrigeration import OILS_FOR
 from screwsim.template.request import Condition, SceneRequest, condition_of, quantity_after_comma

@@ -8,9 +8,10 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import Row, name_and_unit, read_sheet, sheet_or_usage_error
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene import Scene, leaf_of
 from screwsim.scene.operation import CONDENSING, EVAPORATING
-from screwsim.scene.units import NUMBER, ZERO_CELSIUS, gauge_pressures_over, refused_at
+from screwsim.scene.units import NUMBER, gauge_pressures_over, refused_at
 from screwsim.scene.values import convert
 from screwsim.study.asked.inputs import check_continuous
 from screwsim.study.optimize.seasons import SeasonalStandard, standards
