@@ -43,6 +43,14 @@ def convert(leaf: Leaf, raw: Any, folder: str = ".") -> Any:
     return _READERS[leaf.kind](leaf, raw, folder)
 
 
+def convert_cell(leaf: Leaf, text: str, unit: str, folder: str = ".") -> Any:
+    """Return the SI value of a table's cell in the unit of its column's head, '' for none; raise `Refused`."""
+    if leaf.dimension is not None:
+        return convert(leaf, f"{text} {unit}" if unit else text, folder)
+    number = int if leaf.kind == "count" and text.isdigit() else float
+    return convert(leaf, number(text) if re.fullmatch(NUMBER, text) else text, folder)
+
+
 def _quantity(leaf: Leaf, raw: Any) -> float:
     kind = leaf.dimension
     assert kind is not None
