@@ -9,8 +9,6 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any, TypeVar
 
-import typer
-
 from screwsim.cli.declare import CHANGES, argument, option, switch
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
@@ -235,7 +233,7 @@ def report_ignored_sweep(scene: Swept, whose: str, remedy: str) -> None:
     count = case_count(scene)
     if scene.sweep:
         cases = f"{count} case{'s' if count != 1 else ''}"
-        typer.echo(f"{whose} sweep of {cases} is ignored, and the scene's own point is used ({remedy})", err=True)
+        say(f"{whose} sweep of {cases} is ignored, and the scene's own point is used ({remedy})", err=True)
 
 
 def print_error(text: str, code: int) -> int:
