@@ -16,6 +16,7 @@ from screwsim.report.page.uncertain import half_of, half_text
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
 from screwsim.results import Results
 from screwsim.results.optimum import AIM, ERROR
+from screwsim.results.schema import quantities_along
 from screwsim.results.warning_kinds import cases_with_warnings, warning_kinds
 from screwsim.screen import printable
 
@@ -67,7 +68,7 @@ def warnings(results: Results) -> tuple[str, list[str]]:
 
 def axes(results: Results) -> Iterator[str]:
     """Yield a line about each axis of a sweep: its name, its number of values, and their range."""
-    for axis in (inner for outer in results.axis_list for inner in outer.joined or (outer,)):
+    for axis in quantities_along(results.axis_list):
         count = f"{len(axis.values)} values" if len(axis.values) > 1 else "one value"
         if not is_numeric(axis):
             yield f"{axis.path}: {count}: {', '.join(str(value) for value in axis.values)}"
@@ -198,7 +199,7 @@ def best_table(results: Results) -> BestTable:
     """Return what an optimisation sought and found."""
     names, front = objective_names(results), front_of(results)
     evaluations, *points = results.axis_list
-    varied = [axis for axis in evaluations.joined or (evaluations,) if is_numeric(axis)]
+    varied = [axis for axis in quantities_along([evaluations]) if is_numeric(axis)]
     spread = np.linspace(0, len(front) - 1, min(len(front), MOST_BEST)).round().astype(int)
     shown = front[spread]
     words = [shown_axis(axis) for axis in varied]
