@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures.engineering import engineering, shown_name
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Figure
 from screwsim.outputs.customary import printed_celsius
 from screwsim.outputs.display import grouped
@@ -48,7 +49,7 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
     """Print points, scenes, statuses and figures."""
     print_text(f"A: {a.path}")
     print_text(f"B: {b.path}")
-    points = f"{found.common} point{'s' if found.common > 1 else ''} in common"
+    points = f"{counted(found.common, 'point')} in common"
     for name, count in (("A", found.only_a), ("B", found.only_b)):
         points += f", {count} only in {name}" if count else ""
     say(points)

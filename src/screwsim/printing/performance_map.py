@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures.engineering import engineering, shown_name
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.printing import write_json
 from screwsim.printing.tables import print_scene_title, print_table, print_text
@@ -100,8 +101,7 @@ def _labels_left_out(results: Results) -> list[str]:
 def _print_warnings(results: Results) -> None:
     """Print the warnings of points of the sweep."""
     for kind in warning_kinds(results):
-        cases = f"{kind.cases} {'point' if kind.cases == 1 else 'points'}"
-        print_text(f"warning in {cases} of the sweep: {kind.text}")
+        print_text(f"warning in {counted(kind.cases, 'point')} of the sweep: {kind.text}")
 
 
 def _units(results: Results, path: str) -> str:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.figures.engineering import engineering, figure_text, shown_name
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import BALANCE, STATUSES
 from screwsim.outputs.customary import small_number_text
 from screwsim.report.families import efficiency_name
@@ -59,7 +60,7 @@ def warnings(results: Results) -> tuple[str, list[str]]:
     found, cases = warning_kinds(results), int(np.count_nonzero(cases_with_warnings(results)))
     if not results.axis_list:
         return (f"{len(found)} warnings" if len(found) > 1 else "Warning" if found else ""), [k.text for k in found]
-    lines = [f"{kind.cases} case{'s' * (kind.cases != 1)}: {kind.text}" for kind in found[:MOST_KINDS]]
+    lines = [f"{counted(kind.cases, 'case')}: {kind.text}" for kind in found[:MOST_KINDS]]
     if len(found) > MOST_KINDS:
         lines.append(f"{len(found) - MOST_KINDS} other kinds of warnings (see the file)")
     whole = f"{cases} of {results.status.size} cases {'warns' if cases == 1 else 'warn'}"
