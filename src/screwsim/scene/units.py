@@ -15,6 +15,7 @@ from typing import Any
 
 from screwsim.inputs.declare import KINDS, Kind
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import with_article
 from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene.numerals import odd_number, odd_number_text
 
@@ -128,8 +129,7 @@ _CELSIUS = {"degC", "celsius", "Celsius", "C"}  # no temperature is in coulombs
 
 def describe(kind: Kind) -> str:
     """Return a kind with its article: 'a length', 'an area'."""
-    name = kind.name.replace("_", " ")
-    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+    return with_article(kind.name.replace("_", " "))
 
 
 @lru_cache(maxsize=512)

@@ -9,7 +9,7 @@ from typing import Any
 
 from screwsim.fluid.models import find_gas_model
 from screwsim.inputs.declare import AUTO, KINDS, FoundWithCycle
-from screwsim.inputs.suggestions import nearest
+from screwsim.inputs.suggestions import nearest, with_article
 from screwsim.machine.kinds import MACHINES
 from screwsim.numerics.integrators import find_integrator
 from screwsim.scene.fields import Leaf
@@ -65,8 +65,7 @@ def _quantity(leaf: Leaf, raw: Any) -> float:
 
 def describe_leaf(leaf: Leaf) -> str:
     """Return the kind of value that a leaf holds, with its article."""
-    name = "whole number" if leaf.kind == "count" else leaf.kind.replace("_", " ")
-    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+    return with_article("whole number" if leaf.kind == "count" else leaf.kind.replace("_", " "))
 
 
 def _number(leaf: Leaf, raw: Any, folder: str) -> float:

@@ -296,7 +296,7 @@ def booster(asked: SceneRequest) -> str:
     example = "5/20 bar"
     _refuse_liquid_at_outlet(fluid)
     size, duty = texts.sized(flow, speed), gas_duty(asked, fluid, example, "20 degC")
-    c_p = duty.R * duty.k / (duty.k - 1.0)
+    c_p = _heat_capacity(duty)
     gas_flow = LAMBDA * flow * duty.density
 
     def taken_at(leaving: float) -> float:
