@@ -12,7 +12,7 @@ from screwsim.outputs import BALANCE, STATUSES
 from screwsim.outputs.customary import small_number_text
 from screwsim.report.families import efficiency_name
 from screwsim.report.front import front_of, objective_names
-from screwsim.report.page.data import Selection
+from screwsim.report.page.data import BALANCES, Selection
 from screwsim.report.page.uncertain import half_of, half_text
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
 from screwsim.results import Results
@@ -24,7 +24,6 @@ from screwsim.screen import printable
 MOST_KINDS = 8  # of warnings, listed for a sweep
 MOST_BEST = 12  # evaluations of a front that are shown, evenly spread along its first objective; all are in the file
 VERDICTS = {True: "kept", False: "exceeded"}
-_BALANCES = ("mass", "energy", "entropy", "oil_mass")
 _VERSIONS = ("python_version", "numpy_version", "scipy_version", "llvmlite_version", "coolprop_version")
 
 
@@ -120,7 +119,7 @@ def checks(results: Results) -> Iterator[BalanceCheck]:
     for stage, own in results.stages.items():
         yield from (check._replace(what=f"{stage} stage: {check.what}") for check in checks(own))
     closed = results.status == "ok"
-    for name in (name for name in _BALANCES if name in results.balance):
+    for name in (name for name in BALANCES if name in results.balance):
         values = np.where(closed, results.balance[name], np.nan)
         there = np.isfinite(values)
         if there.any():
