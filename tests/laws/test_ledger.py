@@ -14,6 +14,7 @@ from screwsim.evaluate.ledger.book import Entry
 from screwsim.evaluate.ledger.total import Ledger
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.model import ledger as kernels
+from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
 from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import ledger_entries
 from screwsim.simulate import simulate
@@ -137,7 +138,8 @@ def moments(transport):
     problem, machinery, _ = closed(make({"oil.transport": transport, "operation.speed": "1000 rpm"}))
     c, names, R = machinery.composition, plain(machinery.composition.text), machinery.R
     s_suction, s_discharge = (
-        names["gas_entropy"](R[at + 2] / problem.parts.gas.c_p, R[at + 1], c.P, c.TAB) for at in (0, 10)
+        names["gas_entropy"](R[at + ENTHALPY] / problem.parts.gas.c_p, R[at + DENSITY], c.P, c.TAB)
+        for at in (R_SUCTION, R_DISCHARGE)
     )
     times, dense, _, steps = machinery.last()
     E, y = np.zeros(c.n_E), np.zeros(len(c.states))
