@@ -143,14 +143,14 @@ def moments(transport):
     )
     times, dense, _, steps = machinery.last()
     E, y = np.zeros(c.n_E), np.zeros(len(c.states))
-    flows = np.zeros(len(c.plenum_paths) + 2 * len(c.gap_paths))
+    flows = np.zeros(c.n_flows)
     generated = []
     for phi in np.radians(np.arange(0.5, 720.0, 2.0)):
         i = int(np.searchsorted(times[: steps + 1], phi)) - 1
         names["history__read"](phi, times, dense, i, y)
         names["chamber__surroundings"](phi, phi, machinery.context, E)
         names["chamber__path_flows"](y, E, machinery.context, flows)
-        paths = np.zeros((len(c.plenum_paths) + len(c.gap_paths), kernels.PATH_SUMS))
+        paths = np.zeros((len(c.ports) + len(c.gaps), kernels.PATH_SUMS))
         heats, oil = np.zeros((1, kernels.HEAT_SUMS)), np.zeros(kernels.OIL_SUMS)
         names["ledger__add_moment"](
             phi, y, 0.0, E, machinery.context, flows, s_suction, s_discharge, 1.0, paths, heats, oil

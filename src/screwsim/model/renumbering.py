@@ -5,7 +5,7 @@ that affect more than calls of kernels, must be the same.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from operator import attrgetter
 from typing import Any
 

@@ -15,7 +15,7 @@ import numpy as np
 from screwsim.codegen.calls import Context
 from screwsim.model import compiled, under_scipy
 from screwsim.model.composition import Composition
-from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PORT_STATE
+from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PORT_STATE
 from screwsim.model.trajectory import ChamberContext, CoupledContext, Trajectory
 from screwsim.model.turn_scheduler import scheduler
 from screwsim.numerics.compiling import clock
@@ -46,9 +46,9 @@ class Machinery:
         self.histories = [self.new_history(max_steps, self.columns, self.nq) for _ in range(2)]
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
-        paths = len(composition.plenum_paths)
-        stops = np.zeros(2 * len(composition.stops) + 5)
-        own = np.concatenate([np.zeros(PORT_STATE), [FREE], np.zeros(paths), np.full(paths, FREE), stops])
+        cells = composition.own
+        own = np.zeros(cells.size)
+        own[cells.phase] = own[cells.held] = FREE
         self._at_first = own.copy()
         self.spaces = (np.zeros(self.columns), own)
         self.counts = np.zeros(4, np.int64)
@@ -144,8 +144,7 @@ class Machinery:
     @property
     def impacts(self) -> int:
         """Impact events of the last turn, where something moves between seat and stop."""
-        own, stops = self.spaces[1], len(self.composition.stops)
-        return int(own[OPENING + 2 * len(self.composition.plenum_paths) + 2 * stops]) if stops else 0
+        return int(self.spaces[1][self.composition.own.impacts]) if self.composition.stops else 0
 
     def swap(self) -> None:
         """Make the turn just integrated the last one."""

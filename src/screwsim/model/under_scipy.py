@@ -16,7 +16,7 @@ import numpy as np
 
 from screwsim.model.impacts import LEAVES, MOVES, SEATED, STOPPED
 from screwsim.model.port_states import SHARP
-from screwsim.model.slots import FREE, OPENING, P_INJECTION, PORT_STATE, Q_WALLS
+from screwsim.model.slots import FREE, P_INJECTION, Q_WALLS
 from screwsim.numerics.integrators import Check
 from screwsim.numerics.scipy_integrators import Slopes, integrate
 
@@ -106,15 +106,12 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
     """Do what `Machinery.turn` does, by a check's method; a loose turn of our own scales the quadratures."""
     _, _, _, q_scale = machinery.turn(y.copy(), 1e-3, h)
     c, module, context, own = machinery.composition, machinery.module, machinery.context, machinery.spaces[1]
-    held = slice(OPENING + len(c.plenum_paths), OPENING + 2 * len(c.plenum_paths))
     impacts = None
     if c.stops:
-        impacts = ImpactEvents(module, machinery.n, c.stops, own, held.stop, (machinery.R, c.P, c.TAB))
+        impacts = ImpactEvents(module, machinery.n, c.stops, own, c.own.modes.start, (machinery.R, c.P, c.TAB))
         impacts.begin(y, rtol)
     kernels = module.chamber__surroundings, module.chamber__rates, module.chamber__jacobian
-    slopes = _slopes(
-        machinery, kernels, context, (own[PORT_STATE : PORT_STATE + 1], own[held]), len(y), c.n_E, machinery.nq
-    )
+    slopes = _slopes(machinery, kernels, context, (own[c.own.phase], own[c.own.held]), len(y), c.n_E, machinery.nq)
     end, q, path = integrate(*slopes, c.breakpoints, y, _scales(machinery, q_scale), rtol, check, impacts)
     y[:] = end
     steps = len(path.dense)
@@ -186,9 +183,10 @@ def _slopes(
 
 def _scales(machinery: Machinery, q: Array) -> Array:
     """Return the scale of each quadrature: the largest of its kind, so that an idle path needs no accuracy."""
-    met, first = machinery.composition.first_met, machinery.composition.first_stream
-    streams = np.abs(q[first:]).reshape(-1, machinery.composition.width)
+    c, first = machinery.composition, machinery.composition.first_stream
+    streams = np.abs(q[first:]).reshape(-1, c.width)
     heads = np.full(first, np.max(np.abs(q[:Q_WALLS])))
-    heads[Q_WALLS + 1 : met : 2] = np.abs(q[Q_WALLS + 1 : met : 2])
-    heads[met : met + 2 * len(machinery.composition.offsets)] = streams[:, 0].max()
+    conductances = slice(Q_WALLS + 1, c.all_met.start, 2)
+    heads[conductances] = np.abs(q[conductances])
+    heads[c.all_met] = streams[:, 0].max()
     return np.concatenate([heads, np.tile(streams.max(axis=0), len(streams))])
