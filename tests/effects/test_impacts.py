@@ -90,7 +90,7 @@ def turned(weight=2.0, restitution=0.5, start=1.0, rtol=RTOL, held=2.5e5, method
     R[R_DISCHARGE : R_DISCHARGE + 8] = *parts.gas.port_state(4e5, T_S), 0.0, T_S
     y[list(GAS)] = T_S, parts.gas.density(4e5, T_S)
     y[list(BALL + LID)] = start, 0.0, 0.0, 0.0
-    status, _, _, _ = machinery.pitch(y, rtol, 1e-3, check=check_of(method))
+    status, *_ = machinery.pitch(y, rtol, check=check_of(method))
     machinery.swap()
     return status, machinery
 

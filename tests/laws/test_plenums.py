@@ -247,7 +247,7 @@ def monolith(scene, pitches):
     p_d, rho_d, inverse = (machinery.R[PORT_STATE + cell] for cell in (PRESSURE, DENSITY, EXPONENT))
     sound = np.sqrt(p_d / (inverse * rho_d))
     E, f, g = np.empty(c.n_E_all), np.empty(c.chambers * machinery.n), np.empty(machinery.nq + 1)
-    held = machinery.coupled_space()["spaces"][0][-c.chambers :]
+    held = machinery.coupled.port_states[-c.chambers :]
     at = c.stream(DISCHARGE_IN)
 
     def rates(phi, z):

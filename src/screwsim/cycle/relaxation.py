@@ -100,8 +100,8 @@ class _Turns:
 
     def __init__(self, task: ClosingTask, start: Start) -> None:
         self.problem, self.machinery, self.criteria = problem, machinery, criteria = task
-        self.y, c, expected = start.y.copy(), machinery.composition, start.expected
-        c.P[c.widths] = criteria.widths
+        self.y, expected = start.y.copy(), start.expected
+        machinery.set_widths(criteria.widths)
         self.corrections, self.accelerate = Corrections(problem, machinery, start.tangents), Anderson(DEPTH)
         self.images: list[tuple[Array, Array, int]] = []
         self.seen: list[tuple[float, float]] = []  # mass and work of each image
@@ -129,7 +129,7 @@ class _Turns:
         self.point, self.steps_before = self.vector(self.unknowns_in), int(machinery.kept[1])
         self.corrected, self.corrected_before = False, self.corrected
         self.rtol, self.number = max(self.finest, self.next_rtol), self.number + 1
-        status, angle, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
+        status, angle, self.q = machinery.turn(self.y, self.rtol)
         if status != 0:
             return angle
         machinery.swap()

@@ -86,7 +86,7 @@ class CollocatedTurn(CollocatedPitch):
 
     def _held(self) -> Array:
         """Return the cells that hold what the chamber is held in."""
-        return self.machinery.coupled_space()["spaces"][0][self.machinery.composition.own.holding]
+        return self.machinery.coupled.port_states[self.machinery.composition.own.holding]
 
     # ---- states ------------------------------------------------------------------------------------------------
 

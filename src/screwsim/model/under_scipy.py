@@ -102,9 +102,9 @@ Array = np.ndarray
 WATCHED = 16  # evaluations between two calls of the machinery's `watch`, which take as long as one
 
 
-def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, Array]:
     """Do what `Machinery.turn` does, by a check's method; a loose turn of our own scales the quadratures."""
-    _, _, _, q_scale = machinery.turn(y.copy(), 1e-3, h)
+    *_, q_scale = machinery.turn(y.copy(), 1e-3, h)
     c, module, context, own = machinery.composition, machinery.module, machinery.context, machinery.spaces[1]
     impacts = None
     if c.stops:
@@ -125,26 +125,26 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
         module.chamber__inject(dense[at, 0, : machinery.n].copy(), 0, c.P, c.TAB, machinery.R)
     module.port_states__port_states_along(dense, steps, context)
     module.trace__work_along(times, dense, quads, steps, context)
-    return int(path.message != ""), path.times[-1], h, q
+    return int(path.message != ""), path.times[-1], q
 
 
-def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, Array]:
     """Do what `Machinery.pitch` does, by a check's method; a loose one of our own scales the quadratures."""
-    _, _, _, q_scale = machinery.own_pitch(y.copy(), 1e-3, h)
-    space, c, module = machinery.coupled_space(), machinery.composition, machinery.together
+    *_, q_scale = machinery.own_pitch(y.copy(), 1e-3, h)
+    coupled, c, module = machinery.coupled, machinery.composition, machinery.together
     machinery.inject(y)
     kernels = module.chambers__surroundings, module.chambers__rates, module.chambers__jacobian
-    held, context = space["spaces"][0][-c.chambers :], machinery.coupled_context
+    held, context = coupled.port_states[-c.chambers :], machinery.coupled_context
     slopes = _slopes(machinery, kernels, context, (held,), len(y), c.n_E_all, machinery.nq + 1)
     end, q, path = integrate(*slopes, machinery.pitch_breakpoints(), y, _scales(machinery, q_scale), rtol, check)
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls * c.chambers, path.jacobians * c.chambers])
-    if steps > len(space["history"][1]):
-        space["history"] = machinery.new_history(steps, len(y), machinery.nq + 1)
-    space["history"][0][: steps + 1], space["history"][1][:steps] = path.times, path.dense
-    space["kept"][0] = steps
-    return int(path.message != ""), path.times[-1], h, q
+    if steps > len(coupled.history[1]):
+        coupled.history = machinery.new_history(steps, len(y), machinery.nq + 1)
+    coupled.history[0][: steps + 1], coupled.history[1][:steps] = path.times, path.dense
+    coupled.kept[0] = steps
+    return int(path.message != ""), path.times[-1], q
 
 
 def _slopes(
