@@ -16,6 +16,7 @@ from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.mixing import FULL_RULE, Mixing, MixingRule
 from screwsim.cycle.problem import ClosingTask, problem_of
+from screwsim.cycle.turn_steps import StepTolerance
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model.slots import BEHIND
@@ -227,7 +228,8 @@ def test_a_tolerance_is_met_by_chance_while_states_move_on_or_corrections_swing(
     turns.criteria = SimpleNamespace(tolerance=tolerance)
     turns.number, turns.gap, turns.moved = 5, 0.8 * tolerance, moved * tolerance
     turns.before = before[0] * tolerance, before[1] * tolerance
-    turns.stalled, turns.least_gap, turns.corrections = stalled, 1.2 * tolerance, SimpleNamespace(begun=begun)
+    turns.corrections, turns.steps = SimpleNamespace(begun=begun), StepTolerance(tolerance, 1.0)
+    turns.steps.stalled, turns.steps.least_gap = stalled, 1.2 * tolerance
     assert turns.by_chance() is chance
 
 
