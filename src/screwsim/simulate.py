@@ -270,7 +270,7 @@ def _left_open(accurate: Accurate, residuals: Mapping[str, float], limits: tuple
     """
     cycle, of = accurate.cycle, accurate.evaluation
     bound, circuit_open, package_open = limits
-    if cycle.status == NOT_CLOSED or max(residuals.values()) > bound:
+    if not cycle.closed or max(residuals.values()) > bound:
         left = f"{_shown(residuals)} against the bound {bound:.2g}"
         return f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
     tighter, found_open = "try a tighter numerics.accuracy", open_values_residual(of)
