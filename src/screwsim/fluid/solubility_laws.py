@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.fluid import constants, solubility
+from screwsim.fluid.transport import saturated_liquid_viscosity
 from screwsim.fluid.vapour_fugacity import Fugacity, fugacity_table
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import BadSheet, read_sheet, sheet_or_usage_error
@@ -59,6 +60,20 @@ class SolubilityLaw:
     def liquid_density(self, T: float) -> float:
         """Return the density [kg/m³] of the refrigerant's saturated liquid at T [K]."""
         return self._saturation[1](T)
+
+    @cached_property
+    def _viscosity(self) -> Pchip:
+        """ln μ [Pa s] of saturated liquid over T [K]."""
+        T = np.linspace(self.known_from, self.high, 1 + math.ceil((self.high - self.known_from) / STEP))
+        return Pchip(T, np.log([saturated_liquid_viscosity(self.fluid, float(each)) for each in T]))
+
+    def liquid_viscosity(self, T: float) -> float:
+        """Return the viscosity [Pa s] of the refrigerant's saturated liquid at T [K]. Raises UsageError without one."""
+        return math.exp(self._viscosity(T))
+
+    def within(self, T: float) -> float:
+        """Return T [K], or the end of the law's temperatures beyond which it lies."""
+        return min(max(T, self.known_from), self.high)
 
     def vapour(self, T: float) -> Fugacity:
         """Return the fugacity of the refrigerant's vapour at T [K]."""
