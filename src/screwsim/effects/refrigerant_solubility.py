@@ -140,11 +140,20 @@ def flashed(law: SolubilityLaw, p: float, T: float, supply: float, latent: float
 
 
 @lru_cache(maxsize=64)
-def _content(law: SolubilityLaw, T_separator: float, T: float, p_d: float, c_oil: float) -> OilContent:
-    supply = law.content(p_d, T_separator)
-    p_sat = constants.dew_pressure(law.fluid, T)
-    latent = constants.wet_enthalpy(law.fluid, p_sat, 1.0) - constants.wet_enthalpy(law.fluid, p_sat, 0.0)
+def _content(law: SolubilityLaw, gas: Any, T_separator: float, T: float, p_d: float, c_oil: float) -> OilContent:
+    supply, latent = law.content(p_d, T_separator), heat_of_flash(law, gas, T_separator, T, p_d)
     return OilContent(*_flashes(law, T, p_d, supply, latent, c_oil), latent)
+
+
+def heat_of_flash(law: SolubilityLaw, gas: Any, T_separator: float, T: float, p_d: float) -> float:
+    """Return the heat [J/kg] that flashing gas takes from oil at T [K] (M196).
+
+    That of evaporation, or by van 't Hoff's law (M232) where the law reaches beyond the saturation of the refrigerant.
+    """
+    if law.beyond:
+        return _vapour(law, gas, T_separator, T, p_d).h - heat_enthalpy(law, gas, T_separator, T, p_d)
+    p_sat = constants.dew_pressure(law.fluid, T)
+    return constants.wet_enthalpy(law.fluid, p_sat, 1.0) - constants.wet_enthalpy(law.fluid, p_sat, 0.0)
 
 
 def _flashes(
@@ -235,7 +244,7 @@ def build(parameters: Parameters, machine) -> list[OilGas | Plenum | OilThinning
         if flash_time is not None:
             uptake = 0.0 if absorption_time is None else 1.0 / absorption_time
             return solution(law, site.gas, T_separator, site.T_oil, site.p_d, 1.0 / flash_time, uptake)
-        return _content(law, T_separator, site.T_oil, site.p_d, site.oil.heat_capacity)
+        return _content(law, site.gas, T_separator, site.T_oil, site.p_d, site.oil.heat_capacity)
 
     def state(site: Site) -> Reservoir:
         assert site.T_oil is not None
@@ -312,7 +321,7 @@ def check(parameters: Parameters, facts) -> list[Fault]:
 def _faults_of_separator(parameters: Parameters, facts, law: SolubilityLaw, p_d: float, T: float) -> list[Fault]:
     """Return the fault of a separator at p_d [Pa] and T [K] in which the law does not hold, if any."""
     where, held = f"effects.{NAME}.separator_temperature", law.content(p_d, T)
-    if p_d >= law.p_sat(T):
+    if p_d >= law.p_sat(T) and T <= law.last_liquid:
         what = f"at {in_celsius(T)} the gas condenses in the separator, at {in_bar(p_d)}"
         return [Fault(where, f"{what} (state a warmer separator)")]
     if isinstance(law, Measured) and held >= law.most:
