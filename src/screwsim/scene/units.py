@@ -90,6 +90,7 @@ _TABLE: dict[str, dict[str, tuple[float, float]]] = {
     "N/m": {"N/m": (1, 1), "mN/m": (1, 1e3), "kN/m": (1e3, 1), "N/mm": (1e3, 1)},
     "W/(m^2 K)": {"W/(m^2 K)": (1, 1), "kW/(m^2 K)": (1e3, 1)},
     "W/K": {"W/K": (1, 1), "kW/K": (1e3, 1)},
+    "kg/mol": {"kg/mol": (1, 1), "g/mol": (1, 1e3), "kg/kmol": (1, 1e3)},
     "1/K": {"1/K": (1, 1), "um/(m K)": (1, 1e6)},
 }
 _SPELLINGS = {"µ": "u", "μ": "u", "℃": "degC", "ºC": "degC", "°": "deg", "²": "^2", "³": "^3"}
