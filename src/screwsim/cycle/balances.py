@@ -101,7 +101,7 @@ def flow_past_suction_port(problem: Problem, life: Trajectory) -> float:
         return 0.0
     c, at, pitch = problem.composition, problem.parted or 0.0, problem.parts.geometry.pitch
     sums = [
-        (life.sum_until(at, c.first_met + 2 * i), life.sum_until(at + offset * pitch, c.first_met + 2 * i + 1))
+        (life.sum_until(at, c.met(i, slots.AHEAD)), life.sum_until(at + offset * pitch, c.met(i, slots.BEHIND)))
         for i, offset in enumerate(c.offsets)
     ]
     return sum(got + gave for got, gave in sums) - misread_at_discharge(problem, life, at, sums)
@@ -122,13 +122,12 @@ def net_into(problem: Problem, life: Trajectory, q: Array, line: int) -> float:
 
 
 def gap_flow_compensation(problem: Problem, life: Trajectory, opens: float, closes: float) -> tuple[float, float]:
-    """Return the gas [kg/life] by which a plenum's port compensates disagreeing gap flows, and the part that crosses.
+    """Return by how much both sides of gaps disagree [kg/life] while a plenum's port is open, and the early part of it.
 
-    Flows through gaps are integrated twice, by the chamber ahead and by the one behind. Where the two disagree
-    while a port holds the pressure, the port gives or takes the difference. The first number sums both sides; the
-    second is the part ahead of the angle at which chambers leave the suction line. Where the chamber ahead is open
-    to the discharge line, that line compensates instead. When a turn integrates all chambers, both agree to
-    rounding.
+    Flows through gaps are integrated twice, by the chamber ahead and by the one behind. While a port holds the
+    pressure, it makes good the difference. The first number sums both sides; the second is the part before chambers
+    leave the suction line. Where the chamber ahead is open to the discharge line, that line makes it good instead. When
+    all chambers are integrated together, both sides agree to rounding.
     """
     c, geometry, at = problem.composition, problem.parts.geometry, problem.parted or 0.0
     pitch, ahead_until = geometry.pitch, geometry.discharge_opens or geometry.life
@@ -138,7 +137,7 @@ def gap_flow_compensation(problem: Problem, life: Trajectory, opens: float, clos
         """Return what the chamber behind got beyond what the one ahead gave, by the angles of the one behind."""
         if end <= begin:
             return 0.0
-        ahead, behind = c.first_met + 2 * side, c.first_met + 2 * side + 1
+        ahead, behind = c.met(side, slots.AHEAD), c.met(side, slots.BEHIND)
         got = life.sum_until(end, ahead) - life.sum_until(begin, ahead)
         return got + life.sum_until(end + shift, behind) - life.sum_until(begin + shift, behind)
 

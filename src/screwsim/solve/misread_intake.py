@@ -65,16 +65,16 @@ def misread_intake_errors(of: Evaluation, misread: Misread) -> Iterator[Figures]
 
 
 def misread_intake(problem: Problem, life: Trajectory, met: MetTwice) -> Misread:
-    """Return what a life misreads while it is open to the line that it takes gas in from; `met` sums differ in it.
+    """Return what a life misreads while it is open to the line that it takes gas in from.
 
-    At a held pressure p V stays, and so does the sum of m T: gas at T that is taken in, in place of gas of the line at
-    T_s, leaves room for less by T/T_s - 1 of itself. What flows out later takes its part of the error with it.
+    `met` are the sums of flows that differ in it. At a held pressure the sum of m T is fixed: gas taken in at T instead
+    of the line's T_s displaces T/T_s - 1 of itself. What flows out later takes its part of the error with it.
     """
     c, ends = problem.composition, life.times[: life.steps + 1]
     steps, T_s = _steps(problem, life), problem.lines.T_s
     if not len(steps):
         return NOTHING
-    into, back = (_sums(life, steps, c.first_stream + row * c.width) for row in (slots.SUCTION_IN, slots.SUCTION_OUT))
+    into, back = (_sums(life, steps, c.stream(row)) for row in (slots.SUCTION_IN, slots.SUCTION_OUT))
     T = life.dense[: len(steps), :2, slots.S_T].mean(axis=1)
     warmer = T / T_s - 1.0
     more = _exchanged(problem, life, steps, np.minimum(into, -back) * warmer, back) * warmer
@@ -87,13 +87,13 @@ def misread_intake(problem: Problem, life: Trajectory, met: MetTwice) -> Misread
         middles = 0.5 * (ends[step] + ends[step + 1]) + shifts_to_neighbours(problem)[column]
         order, T_met = middles.argsort(), np.empty(len(at))
         T_met[order] = life.states_at(middles[order])[:, slots.S_T]
-        sums = _sums(life, steps, slice(c.first_met, c.first_met + 2 * len(c.offsets)))
+        sums = _sums(life, steps, c.all_met)
         T_from = np.where(sums[step, column] < 0.0, T[step], T_met)
         T_port = np.where((into + back)[step] > 0.0, T_s, T[step])
         more = more - np.bincount(step, differ * (T_from / T_port - 1.0), len(steps))
     if not float(np.abs(more).sum()) > some:
         return Misread(0.0, drawn)
-    given = np.minimum(_sums(life, steps, slice(c.first_met, c.first_met + 2 * len(c.offsets))), 0.0).sum(axis=1)
+    given = np.minimum(_sums(life, steps, c.all_met), 0.0).sum(axis=1)
     return Misread(float(more @ _kept(problem, life, steps, -(given + back))), drawn)
 
 
@@ -125,7 +125,7 @@ def misread_return(problem: Problem, life: Trajectory, q: Array) -> float:
     if _not_read(problem):
         return 0.0
     c, widths = problem.composition, np.diff(life.times[: life.steps + 1])
-    column = c.first_stream + c.width * slots.SUCTION_OUT + slots.OF_GAS
+    column = c.stream(slots.SUCTION_OUT)
     backward = np.diff(life.quads[: life.steps, column], prepend=0.0) < 0.0  # all chambers together keep no such sums
     steps = np.flatnonzero(backward) if backward.any() else np.arange(life.steps)
     back, _ = _flows_at(problem, life, steps, RETURN_NODES)
@@ -176,13 +176,13 @@ def _flows_read(problem: Problem, life: Trajectory, steps: Array) -> tuple[Array
 def _flows_at(problem: Problem, life: Trajectory, steps: Array, nodes: Array) -> tuple[Array, Array]:
     """Return the flows [kg/s] back to the line, and to other chambers, at nodes of steps (steps, nodes)."""
     c = problem.composition
-    ports = [i for i, end in enumerate(c.ends[: len(c.plenum_paths)]) if end == SUCTION]
+    ports = [i for i, end in enumerate(c.ends[: len(c.ports)]) if end == SUCTION]
     begun, widths = life.times[steps, None], (life.times[steps + 1] - life.times[steps])[:, None]
     sampled, flows = life.sample((begun + widths * nodes).ravel())
     through = flows[:, ports].sum(axis=1)
     balanced = problem.parts.omega * sampled[:, GAS_RATE] - (flows.sum(axis=1) - through)
     back = np.where(through != 0.0, np.minimum(balanced, 0.0), 0.0)
-    gaps = np.minimum(flows[:, len(c.plenum_paths) :], 0.0).sum(axis=1)
+    gaps = np.minimum(flows[:, len(c.ports) :], 0.0).sum(axis=1)
     return back.reshape(-1, len(nodes)), gaps.reshape(-1, len(nodes))
 
 
@@ -190,6 +190,6 @@ def _kept(problem: Problem, life: Trajectory, steps: Array, out: Array) -> Array
     """Return the share of an error in each step that is left after the later ones, from which gas flows out [kg]."""
     last = life.dense[steps, 1]
     rho, ratio = last[:, slots.S_RHO], last[:, slots.S_X_OIL] if problem.composition.carried else 0.0
-    gas = rho * problem.gas_share(rho, ratio) * life.volumes(life.times[steps + 1])
+    gas = problem.gas_mass(rho, ratio, life.volumes(life.times[steps + 1]))
     leaves = np.append(np.minimum(out / gas, 1.0)[1:], 0.0)
     return np.cumprod((1.0 - leaves)[::-1])[::-1]

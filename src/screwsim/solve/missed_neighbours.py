@@ -1,10 +1,10 @@
 """Least errors of figures by what a chamber misses of its neighbours within its steps, while it is closed.
 
-A chamber meets its neighbours at the stages of its own steps. What happens to a neighbour within a few degrees, as at
-the end of its life, where its last gas is squeezed and let go, may lie between two stages of one step. No error of the
-states shows it, and a finer life may step over it as well. The neighbour sums the same flow with its many steps. Where
-the two sums differ, the step is read again, with the nodes that the steps of all call for, and the departure δ of
-ln m that it leaves is followed: it decays as the flows let it.
+A chamber meets its neighbours at the stages of its own steps. An event of a neighbour that takes a few degrees (the
+end of its life, where its last gas is squeezed out) may lie between two stages of one step. No error of the states
+shows that, and a finer life may step over it as well. But the neighbour sums the same flow with its many steps. Where
+the two sums differ, the step is read again at the ends of all their steps; the departure δ of ln m that it leaves is
+then followed as the flows let it decay.
 Source: ours; docs/explanation/errors.md.
 """
 
@@ -65,7 +65,7 @@ def departures(problem: Problem, life: Trajectory, met: MetTwice) -> Departures 
     differ = np.bincount(met.step[closed], met.differ[closed], life.steps)[steps]
     last = life.dense[: life.steps, 1]
     rho, ratio = last[steps, slots.S_RHO], last[steps, slots.S_X_OIL] if problem.composition.carried else 0.0
-    gas = rho * problem.gas_share(rho, ratio) * life.volumes(ends[steps + 1])
+    gas = problem.gas_mass(rho, ratio, life.volumes(ends[steps + 1]))
     some = SOME * problem.scene.numerics.accuracy
     differ = np.abs(differ) / gas
     doubtful = differ > DOUBTFUL * some
@@ -95,12 +95,13 @@ def _missed_gas(problem: Problem, life: Trajectory, steps: Array) -> Array:
     widths = (every[parts + 1] - every[parts])[:, None]
     angles = every[parts, None] + widths * NODES
     _, flows = life.sample(angles.ravel())
-    first, found = len(c.plenum_paths), np.zeros(angles.size)
-    for i, (_, offset) in enumerate(c.gap_paths):
+    found = np.zeros(angles.size)
+    for i, (_, offset) in enumerate(c.gaps):
         among = angles.ravel() < geometry.life - offset * geometry.pitch  # beyond, gas comes from the line
-        found += np.where(among, flows[:, first + 2 * i], 0.0) + flows[:, first + 2 * i + 1]
+        ahead, behind = (flows[:, c.flow_through(i, side)] for side in (slots.AHEAD, slots.BEHIND))
+        found += np.where(among, ahead, 0.0) + behind
     flowed = (found.reshape(angles.shape) * widths) @ WEIGHTS / problem.parts.omega
-    sums = np.diff(life.quads[: life.steps, c.first_met : c.first_met + 2 * len(c.offsets)].sum(axis=1), prepend=0.0)
+    sums = np.diff(life.quads[: life.steps, c.all_met].sum(axis=1), prepend=0.0)
     return sums[steps] - np.bincount(np.repeat(np.arange(len(steps)), high - low), flowed, len(steps))
 
 

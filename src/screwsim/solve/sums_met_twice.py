@@ -17,10 +17,11 @@ EQUAL = 1e-9  # rad, within which angles are the same
 
 
 class MetTwice(NamedTuple):
-    """Steps within which a neighbour takes many, which column of sums that is, and by how much both sums differ.
+    """Steps in which the two chambers at a gap sum different flows: index of the step, column of sums, difference.
 
-    Even columns are with a chamber ahead, odd ones with one behind, pair by pair of the offsets; `differ` [kg] is the
-    gas that the step sums into its chamber beyond what the neighbour sums. A step may stand there for several columns.
+    Even columns are with a chamber ahead, odd ones with one behind, pair by pair of the offsets. `differ` [kg] is what
+    the step sums into its chamber less what the neighbour sums, with its many steps. A step may stand there several
+    times, for several columns.
     """
 
     step: Array
@@ -38,7 +39,7 @@ def sums_met_twice(problem: Problem, life: Trajectory) -> MetTwice:
     many = ends.searchsorted(high - EQUAL) - ends.searchsorted(low + EQUAL) >= MANY
     column, step = np.nonzero(many & (high < ends[-1] + EQUAL) & (low > -EQUAL))
     sums = np.zeros((life.steps + 1, len(shifts)))
-    sums[1:] = life.quads[: life.steps, c.first_met : c.first_met + len(shifts)]
+    sums[1:] = life.quads[: life.steps, c.all_met]
 
     def met(angles: Array) -> Array:
         """Return the sums of neighbours up to angles of their lives."""
