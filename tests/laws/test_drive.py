@@ -321,7 +321,7 @@ def test_a_pumps_oil_goes_with_the_speed_in_a_start():
 
     def watched(*arguments):
         found = integrate(*arguments)
-        oil = streams_of(machinery.composition, found[3])[PORT_OIL, OF_OIL]
+        oil = streams_of(machinery.composition, found[-1])[PORT_OIL, OF_OIL]
         ratios.append(float(oil) / float(machinery.R[R_TRAPPED]))
         return found
 
