@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.display import About, Brief
+from screwsim.study.asked.inputs import shown_value
 from screwsim.study.calibration.fit import Fit, Parameter
 from screwsim.study.calibration.hypotheses import (
     INTERVAL_LEVEL,
@@ -62,8 +64,8 @@ FIRST_PAIRS = 2  # ... and in any case so many where nothing else fits
 UNLIKELY, UNSOLVED = "improbable", "no other value has a solution at every point"  # why slopes alone
 
 
-@dataclass(frozen=True)
-class Diagnosis:
+@dataclass(frozen=True, repr=False)
+class Diagnosis(Brief):
     """The answer: hypotheses, the most probable first; `unchanged` are the parameters [SI] of the unchanged machine.
 
     `chance` is the probability of a misfit at least as large as the best one's. `odds` are the prior odds of two
@@ -83,6 +85,17 @@ class Diagnosis:
     solutions: int = 0
     failed: int = 0
     odds: float = 0.0
+
+    def _about(self) -> About:
+        scene, rows = self.fit.scene, []
+        for one in self.hypotheses:
+            now = ", ".join(shown_value(scene, each.path, each.value, 4) for each in one.changes)
+            rows.append((one.path or "nothing", f"{100.0 * one.probability:.3g} %", now, f"{one.misfit:.3g}"))
+        none = "nothing fits: chance alone produces a misfit as large in less than 1 % of all cases"
+        fits = self.chance is None or self.chance >= LEAST_CHANCE
+        notes = [text for text in (self.fit.title, self.message, "" if fits else none) if text]
+        heading = f"Diagnosis: {self.status}; {len(self.fit.fitted)} points"
+        return About(heading, notes, ("changed", "probability", "now", "chi²"), rows)
 
     @property
     def changed(self) -> dict[str, float]:
