@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.study.calibration.fit import Fit, Parameter
+from screwsim.study.calibration.fit import Fit, Parameter, Point
 from screwsim.study.calibration.hypotheses import (
     INTERVAL_LEVEL,
     LEAST_CHANCE,
@@ -36,6 +36,7 @@ from screwsim.study.calibration.machine import (
     point_shifts,
     unchanged_fit,
 )
+from screwsim.study.calibration.misread_units import HOPELESS, misread_units
 from screwsim.study.calibration.pair_likelihood import PairLikelihood, additive_likelihood, curves_of, solved_pair
 from screwsim.study.calibration.profile import (
     LinearLikelihood,
@@ -83,6 +84,7 @@ class Diagnosis:
     solutions: int = 0
     failed: int = 0
     odds: float = 0.0
+    misread: tuple[str, ...] = ()  # lines on columns that look like those of another unit, where the misfit is hopeless
 
     @property
     def changed(self) -> dict[str, float]:
@@ -207,6 +209,7 @@ def diagnose(
     odds = pairs if len(fit.parameters) > 1 else 0.0
     judged = _judged(linear, unchanged, odds, partial(parallel_map, jobs=jobs, progress=progress))
     ranked = tuple(sorted(judged.hypotheses, key=lambda hypothesis: -hypothesis.probability))
+    hopeless = ranked[0].misfit > HOPELESS * max(ranked[0].freedom, 1)
     return Diagnosis(
         fit,
         "failed" if reasons else "ok",
@@ -221,7 +224,18 @@ def diagnose(
         solutions=solutions + judged.solutions,
         failed=failed + judged.failed,
         odds=odds,
+        misread=_misread(fit, solved, known) if hopeless else (),
     )
+
+
+def _misread(fit: Fit, points: Sequence[Point], solved: Sequence[UnchangedPoint]) -> tuple[str, ...]:
+    """Return which columns look like those of another unit, by the unchanged machine."""
+    numbers = (
+        (name, measured, measured.value + off * measured.uncertainty)
+        for point, answer in zip(points, solved, strict=True)
+        for (name, measured), off in zip(point.measured.items(), answer.residuals.tolist(), strict=True)
+    )
+    return misread_units(numbers, fit.scene.operation.ambient_pressure)
 
 
 def _check(unchanged: float, pairs: float) -> None:
