@@ -43,8 +43,8 @@ STAND_IN, COLDEST_STAND_IN = "R134a", 200.0  # [K] from which its transport prop
 # refrigerants of which the curves behind EFFICIENCIES are means
 CURVES = ("r134a", "propane", "r290", "n-propane", "r1234yf", "r1234ze(e)", "r1234zee", "r407c")
 EQUILIBRIUM = (  # of a fluid that is replaced by its blend
-    "# {0} as its blend in equilibrium: what the discharge end keeps condenses as it expands to suction pressure, which\n"
-    "# the mixture described as if pure cannot follow.\n"
+    "# {0} as its blend in equilibrium: what the discharge end keeps condenses as it expands to suction pressure,\n"
+    "# which the mixture described as if pure cannot follow.\n"
 )
 OILS_FOR = {
     **dict.fromkeys(COPPER_CORROSIVES, "mineral_68"),
