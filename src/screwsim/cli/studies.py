@@ -13,7 +13,6 @@ from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
 from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, SCENE_FILE, WITHOUT
 from screwsim.inputs.faults import Interrupted, UsageError
-from screwsim.screen import say
 
 if TYPE_CHECKING:
     from screwsim.study.asked.varied import Varied
@@ -281,7 +280,7 @@ def calibrate(
         options.print_files(files, as_json)
         options.tell_left(folder, files, f"{PAIRS}.*", PREDICTED)
     if found.status == "interrupted":
-        say(f"calibrate: {found.message}", err=True)
+        options.tell_with_interruption(f"calibrate: {found.message}")
         return options.INTERRUPTED
     statuses = [found.status, *([] if wide is None else [wide.status])]
     if wide is not None and wide.predictions is not None:
