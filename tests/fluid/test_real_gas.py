@@ -339,6 +339,15 @@ def test_two_phases_are_outside_only_where_they_are_refused():
     assert RealGas("R134a", "equilibrium").why_outside(290.0, rho) is None
 
 
+@each_row(("T_r", "rho_r", "beside"), [(1.0, 1.01, True), (1.0, 0.99, True), (1.001, 1.0, False), (1.0, 1.2, False)])
+def test_a_state_beside_the_critical_point_is_told_where_two_phases_are_followed(T_r, rho_r, beside):
+    found = saturation("R245fa")
+    state = T_r * found.T_c * (1.0 - 1e-7), rho_r * found.rho_c
+    told = RealGas("R245fa", "equilibrium").at_critical_point(*state)
+    assert told == ("the critical point of R245fa (153.86 degC, 519 kg/m3)" if beside else "")
+    assert RealGas("R245fa").at_critical_point(*state) == ""
+
+
 def test_the_first_state_outside_is_found():
     T, rho = np.array([300.0, 290.0, 280.0]), np.array([5.0, 5.0, 60.0])
     assert R134A.first_outside(T, rho) == 2
