@@ -92,7 +92,7 @@ def closed(scene: Scene) -> tuple[Machinery, Callable[[int], None]]:
 
     def turns(times: int) -> None:
         for _ in range(times):
-            machinery.turn(start.copy(), rtol, 1e-3)
+            machinery.turn(start.copy(), rtol)
 
     return machinery, turns
 

@@ -13,7 +13,7 @@ from greenlet import GreenletExit, getcurrent
 
 from screwsim.batch import simulate_courses, tasks, together
 from screwsim.model import leases
-from screwsim.model.run import Machinery
+from screwsim.model.run import FIRST_STEP, Machinery
 from screwsim.model.turn_scheduler import reach_station, scheduler
 from screwsim.numerics.compiling import again, clock
 from screwsim.scene import case, load
@@ -134,7 +134,7 @@ def test_turns_are_integrated_side_by_side_as_alone_and_leave_every_array_so(sam
         answer = turn(machinery, y, rtol, h)
         steps = int(machinery.kept[0])
         kept.setdefault(turn, []).append((
-            *(answer[0], answer[1], answer[3].copy(), y.copy(), steps, machinery.counts.copy(), machinery.R.copy()),
+            *(answer[0], answer[1], answer[2].copy(), y.copy(), steps, machinery.counts.copy(), machinery.R.copy()),
             *(machinery.histories[1][0][: steps + 1].copy(), machinery.histories[1][1][:steps, :2].copy()),
         ))  # fmt: skip
         return answer
@@ -143,7 +143,9 @@ def test_turns_are_integrated_side_by_side_as_alone_and_leave_every_array_so(sam
         return tasks._turns([tasks.side_by_side.TurnRequest(machinery, y, rtol, h)])[0]
 
     for turn in (Machinery.own_turn, beside):
-        monkeypatch.setattr(Machinery, "turn", lambda self, y, rtol, h, turn=turn: noted(self, y, rtol, h, turn))
+        monkeypatch.setattr(
+            Machinery, "turn", lambda self, y, rtol, h=FIRST_STEP, turn=turn: noted(self, y, rtol, h, turn)
+        )
         simulate(sample[0], trace=False)
     for one, other in zip(*kept.values(), strict=True):
         for a, b in zip(one, other, strict=True):

@@ -108,7 +108,7 @@ def turn():
 
 def test_events_are_where_an_integrated_turn_has_them(turn):
     machinery, y = turn.pitch.machinery, np.where(np.abs(turn.start) < ROUNDING, 0.0, turn.start)  # at rest
-    status, *_ = machinery.turn(y, FINE_TURN, 1e-3)
+    status, *_ = machinery.turn(y, FINE_TURN)
     machinery.swap()
     integrated = course_of(machinery.trajectory)
     assert status == 0

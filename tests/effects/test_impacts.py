@@ -15,6 +15,7 @@ from screwsim.effects.base import ChamberState, Stops
 from screwsim.model.compose import compose
 from screwsim.model.impacts import LOW, MOST_IMPACTS, NEAR
 from screwsim.model.run import Machinery
+from screwsim.model.slots import R_DISCHARGE, R_SUCTION
 from screwsim.numerics.integrators import check_of
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.rodas import OK, TOO_MANY_JUMPS
@@ -85,11 +86,11 @@ def turned(weight=2.0, restitution=0.5, start=1.0, rtol=RTOL, held=2.5e5, method
     machinery = Machinery(composition)
     y = first_guess(parts, machinery, P_S, T_S, 4e5)
     R = machinery.R
-    R[:8] = *parts.gas.port_state(P_S, T_S), 0.0, T_S
-    R[10:18] = *parts.gas.port_state(4e5, T_S), 0.0, T_S
+    R[R_SUCTION : R_SUCTION + 8] = *parts.gas.port_state(P_S, T_S), 0.0, T_S
+    R[R_DISCHARGE : R_DISCHARGE + 8] = *parts.gas.port_state(4e5, T_S), 0.0, T_S
     y[list(GAS)] = T_S, parts.gas.density(4e5, T_S)
     y[list(BALL + LID)] = start, 0.0, 0.0, 0.0
-    status, _, _, _ = machinery.pitch(y, rtol, 1e-3, check=check_of(method))
+    status, *_ = machinery.pitch(y, rtol, check=check_of(method))
     machinery.swap()
     return status, machinery
 

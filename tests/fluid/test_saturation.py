@@ -46,6 +46,15 @@ def test_both_phases_have_one_pressure_and_one_gibbs_energy(fluid):
         assert kernels.gibbs(T)[0] == pytest.approx(g_v, abs=1e-11 * R * T)
 
 
+def test_both_phases_agree_where_coolprops_vapour_is_a_tenth_of_its_equations():
+    kernels, potentials = saturation_kernels("PropyleneGlycol"), potentials_kernel("PropyleneGlycol")
+    for T in (255.0, 293.0, 400.0, 600.0):
+        rho_v, p = kernels.vapour(T), kernels.pressure(T)[0]
+        p_v, _, g_v = potentials(T, rho_v)
+        assert p_v == pytest.approx(p, rel=1e-6)
+        assert abs(potentials(T, kernels.liquid(T))[2] - g_v) < 1e-9 * RealGas("PropyleneGlycol").R * T
+
+
 @each_row("fluid", PURE)
 def test_saturation_is_coolprops(fluid):
     CP = pytest.importorskip("CoolProp.CoolProp")

@@ -352,7 +352,7 @@ def test_search_finds_the_cycle_that_pitches_leave(left):
     machinery.put(found.trajectory)
     place, c = logarithms(found.y, machinery.composition), machinery.composition
     end = found.y.copy()
-    machinery.pitch(end, LARGEST_RTOL, 1e-3)
+    machinery.pitch(end, LARGEST_RTOL)
     assert np.abs(logarithms(machinery.shift(end), c) - place).max() < problem.criteria.tolerance
     again = newton_search(ClosingTask(problem, machinery, problem.criteria), found.y * np.exp(1e-2))
     assert again is not None
@@ -373,7 +373,7 @@ def test_pitches_make_of_a_small_change_what_is_told_of_a_cycle_that_they_leave(
     y, strayed = found.y * np.exp(1e-5), []
     at = logarithms(found.y, c)
     for _ in range(PITCHES):
-        _, _, _, q = machinery.pitch(y, LARGEST_RTOL, 1e-3)
+        *_, q = machinery.pitch(y, LARGEST_RTOL)
         machinery.install_coupled()
         set_unknowns(problem, machinery, image(problem, machinery.trajectory, q))
         y = machinery.shift(y)

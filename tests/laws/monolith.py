@@ -23,7 +23,7 @@ class Monolith:
         self.machinery, self.train, self.no_load = machinery, train, no_load
         self.low, self.loss = low_pressure, loss_torque
         c = machinery.composition
-        self.n, self.size = c.chambers * machinery.n, E_AREAS + len(c.plenum_paths) + len(c.gap_paths)
+        self.n, self.size = c.chambers * machinery.n, E_AREAS + len(c.ports) + len(c.gaps)
         self.E, self.f, self.g = np.empty(c.n_E_all), np.empty(self.n), np.empty(machinery.nq + 1)
 
     def rates(self, s: float, middle: float, y: np.ndarray) -> np.ndarray:

@@ -16,8 +16,10 @@ from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.mixing import FULL_RULE, Mixing, MixingRule
 from screwsim.cycle.problem import ClosingTask, problem_of
+from screwsim.cycle.turn_steps import StepTolerance
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.figures.errors import relative_errors, worst
+from screwsim.model.slots import BEHIND
 from screwsim.scene import load
 from screwsim.simulate import simulate
 from screwsim.solve import accurately
@@ -176,7 +178,7 @@ def test_net_flow_does_not_err_by_what_a_chamber_open_to_discharge_misreads_of_i
     until = leaves + offset * problem.parts.geometry.pitch
     within = np.flatnonzero((life.times[:-1] > opens) & (life.times[1:] < until))
     quads = life.quads.copy()
-    quads[within[0] :, c.first_met + 2 * i + 1] += 1e-3 * flow
+    quads[within[0] :, c.met(i, BEHIND)] += 1e-3 * flow
     found = flow_past_suction_port(problem, life._replace(quads=quads))
     assert found == pytest.approx(
         flow_past_suction_port(problem, life), abs=0.2 * problem.scene.numerics.accuracy * flow
@@ -226,7 +228,8 @@ def test_a_tolerance_is_met_by_chance_while_states_move_on_or_corrections_swing(
     turns.criteria = SimpleNamespace(tolerance=tolerance)
     turns.number, turns.gap, turns.moved = 5, 0.8 * tolerance, moved * tolerance
     turns.before = before[0] * tolerance, before[1] * tolerance
-    turns.stalled, turns.least_gap, turns.corrections = stalled, 1.2 * tolerance, SimpleNamespace(begun=begun)
+    turns.corrections, turns.steps = SimpleNamespace(begun=begun), StepTolerance(tolerance, 1.0)
+    turns.steps.stalled, turns.steps.least_gap = stalled, 1.2 * tolerance
     assert turns.by_chance() is chance
 
 

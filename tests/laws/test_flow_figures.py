@@ -18,7 +18,7 @@ def test_figures_that_follow_the_net_flow_err_as_it_does(structure):
     problem, _, cycle = closed(effects_space.scene_of(structure, 703, SCENES[structure]))
     of, c, q = evaluate(problem, cycle), problem.composition, cycle.q.copy()
     assert of.figures.gas_mass_flow > 0.0
-    q[c.first_stream + SUCTION_IN * c.width] += MORE * of.figures.gas_mass_flow / problem.rate
+    q[c.stream(SUCTION_IN)] += MORE * of.figures.gas_mass_flow / problem.rate
     moved = relative_errors(of.figures, Evaluation(problem, of.life, q).figures, *of.least)
     told = flow_errors(of.figures, moved["gas_mass_flow"])
     assert moved["gas_mass_flow"] == pytest.approx(MORE, rel=1e-3)

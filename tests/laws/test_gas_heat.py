@@ -25,7 +25,7 @@ def idle():
 def test_heat_that_is_put_into_the_sum_of_what_flows_out_is_found(idle):
     problem, life, q = idle
     c, more = problem.composition, q.copy()
-    row = c.first_stream + slots.DISCHARGE_OUT * c.width
+    row = c.stream(slots.DISCHARGE_OUT)
     more[row + slots.OF_ENERGY] += 1e4 * more[row + slots.OF_GAS]  # each kilogram leaves with 10 kJ more
     assert misread(problem, life, more) == pytest.approx(1e4, abs=2.0 * misread(problem, life, q))
 

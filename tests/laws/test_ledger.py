@@ -14,6 +14,7 @@ from screwsim.evaluate.ledger.book import Entry
 from screwsim.evaluate.ledger.total import Ledger
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.model import ledger as kernels
+from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
 from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import ledger_entries
 from screwsim.simulate import simulate
@@ -137,18 +138,19 @@ def moments(transport):
     problem, machinery, _ = closed(make({"oil.transport": transport, "operation.speed": "1000 rpm"}))
     c, names, R = machinery.composition, plain(machinery.composition.text), machinery.R
     s_suction, s_discharge = (
-        names["gas_entropy"](R[at + 2] / problem.parts.gas.c_p, R[at + 1], c.P, c.TAB) for at in (0, 10)
+        names["gas_entropy"](R[at + ENTHALPY] / problem.parts.gas.c_p, R[at + DENSITY], c.P, c.TAB)
+        for at in (R_SUCTION, R_DISCHARGE)
     )
     times, dense, _, steps = machinery.last()
     E, y = np.zeros(c.n_E), np.zeros(len(c.states))
-    flows = np.zeros(len(c.plenum_paths) + 2 * len(c.gap_paths))
+    flows = np.zeros(c.n_flows)
     generated = []
     for phi in np.radians(np.arange(0.5, 720.0, 2.0)):
         i = int(np.searchsorted(times[: steps + 1], phi)) - 1
         names["history__read"](phi, times, dense, i, y)
         names["chamber__surroundings"](phi, phi, machinery.context, E)
         names["chamber__path_flows"](y, E, machinery.context, flows)
-        paths = np.zeros((len(c.plenum_paths) + len(c.gap_paths), kernels.PATH_SUMS))
+        paths = np.zeros((len(c.ports) + len(c.gaps), kernels.PATH_SUMS))
         heats, oil = np.zeros((1, kernels.HEAT_SUMS)), np.zeros(kernels.OIL_SUMS)
         names["ledger__add_moment"](
             phi, y, 0.0, E, machinery.context, flows, s_suction, s_discharge, 1.0, paths, heats, oil

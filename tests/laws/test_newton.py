@@ -48,7 +48,7 @@ def settled(problem, machinery, cycle, coordinates):
     set_unknowns(problem, machinery, problem.entries.values(coordinates, met))
     work = 0.0
     for _ in range(60):
-        _, _, _, q = machinery.turn(y, FINE, 1e-3)
+        *_, q = machinery.turn(y, FINE)
         machinery.swap()
         if abs(q[0] - work) <= 1e-9 * abs(work):
             break
@@ -120,7 +120,7 @@ def test_a_correction_takes_back_what_an_unknown_was_off_by(standing):
     met = unknowns(problem, machinery)
     y, steps = cycle.y.copy(), int(machinery.kept[1])
     before = np.log(y)
-    _, _, _, q = machinery.turn(y, FINE, 1e-3)
+    *_, q = machinery.turn(y, FINE)
     machinery.swap()
     made = image(problem, machinery.trajectory, q)
     found = Corrections(problem, machinery).of_turn(steps, np.log(y) - before, q, met, made)

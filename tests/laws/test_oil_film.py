@@ -95,7 +95,7 @@ def test_no_gas_leaks_out_of_a_chamber_that_has_oil():
 
 def test_what_leaves_one_chamber_enters_the_one_behind():
     cycle = run(FILMS).cycle
-    offsets = dict(compose(build_parts(make(FILMS))).gap_paths)
+    offsets = dict(compose(build_parts(make(FILMS))).gaps)
     for gap in ("tip_leakage", "interlobe_leakage"):  # one interface each
         phi = np.arange(10.0, 620.0 - 90.0 * offsets[gap])
         ahead, behind = cycle[f"oil_flow_{gap}_leading"], cycle[f"oil_flow_{gap}_trailing"]

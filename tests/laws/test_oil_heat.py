@@ -34,7 +34,7 @@ def test_heat_that_is_put_into_the_sums_is_found_over_the_oil_that_is_delivered(
     problem, cycle = life
     c, told = problem.composition, cycle.trajectory
     quads = told.quads[: told.steps].copy()
-    column = c.first_stream + slots.DISCHARGE_OUT * c.width
+    column = c.stream(slots.DISCHARGE_OUT)
     quads[:, column + slots.OF_OIL_HEAT] += quads[:, column + slots.OF_OIL]
     oil = streams_of(c, cycle.q)[:, slots.OF_OIL]
     out, back = -oil[slots.DISCHARGE_OUT], oil[slots.DISCHARGE_IN]
@@ -55,7 +55,7 @@ def test_dissolved_gas_that_is_put_into_the_sums_is_found_likewise():
     problem, _, cycle = closed(make(SOLUBLE_RATE))
     c, told, more = problem.composition, cycle.trajectory, 0.01
     quads = told.quads[: told.steps].copy()
-    column = c.first_stream + slots.DISCHARGE_OUT * c.width
+    column = c.stream(slots.DISCHARGE_OUT)
     quads[:, column + slots.OF_HELD] += more * quads[:, column + slots.OF_OIL]
     oil = streams_of(c, cycle.q)[:, slots.OF_OIL]
     out, back = -oil[slots.DISCHARGE_OUT], oil[slots.DISCHARGE_IN]

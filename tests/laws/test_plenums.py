@@ -247,8 +247,8 @@ def monolith(scene, pitches):
     p_d, rho_d, inverse = (machinery.R[PORT_STATE + cell] for cell in (PRESSURE, DENSITY, EXPONENT))
     sound = np.sqrt(p_d / (inverse * rho_d))
     E, f, g = np.empty(c.n_E_all), np.empty(c.chambers * machinery.n), np.empty(machinery.nq + 1)
-    held = machinery.coupled_space()["spaces"][0][-c.chambers :]
-    at = c.first_stream + DISCHARGE_IN * width
+    held = machinery.coupled.port_states[-c.chambers :]
+    at = c.stream(DISCHARGE_IN)
 
     def rates(phi, z):
         module.chambers__surroundings(phi, phi + 1e-9, context, E)

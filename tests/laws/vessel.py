@@ -14,7 +14,7 @@ from scenes import DROP, scene_dict
 from screwsim.build import build_parts
 from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.model.compose import compose
-from screwsim.model.slots import PORT_STATE
+from screwsim.model.slots import P_PORT_WIDTH, PORT_STATE, R_SIZE
 from screwsim.model.trajectory import ChamberContext
 from screwsim.scene import loads
 
@@ -60,8 +60,8 @@ def plain(text: str) -> dict[str, Any]:
 
 def run(v: Vessel, inside: tuple[float, float], outside: tuple[float, float], time: float) -> tuple[float, float]:
     """Return temperature and mass in the vessel after `time` [s], from (p, T) inside and outside."""
-    P, R = v.composition.P.copy(), np.zeros(26)
-    P[4] = 1e-6  # Pa: no regularisation that could be seen
+    P, R = v.composition.P.copy(), np.zeros(R_SIZE)
+    P[P_PORT_WIDTH] = 1e-6  # Pa: no regularisation that could be seen
     R[:6] = v.gas.port_state(*outside)
     y = np.array([inside[1], v.gas.density(*inside)])
     nq, room, n = v.composition.n_quadratures, 3000, 2

@@ -44,7 +44,7 @@ def test_states_are_those_of_the_transport(transport, states):
 def test_without_leaks_no_neighbour_is_read():
     found = composition(**{f"effects__{name}": DROP for name in LEAKS})
     assert "\nN_FILMS = 0\n" in found.text and "read_neighbour" not in found.text.split("def chamber__surroundings")[1]
-    assert found.gap_paths == ()
+    assert found.gaps == ()
     assert found.n_E == 4 + 2  # own angle terms and two ports
 
 

@@ -17,12 +17,12 @@ SCENES = {
 @pytest.mark.parametrize("name", SCENES)
 def test_what_flows_out_to_discharge_is_let_out(name):
     life = closed(make(SCENES[name]))[2].trajectory
-    c, P, ports = life.composition, life.composition.P, len(life.composition.plenum_paths)
+    c, P, ports = life.composition, life.composition.P, len(life.composition.ports)
     angles = np.linspace(0.0, P[P_LIFE], 2001)[1:-1] + 1e-5
     flows, out = life.sample(angles)[1], np.zeros(len(angles), bool)
     for i, end in enumerate(c.ends[:ports]):
         out |= (flows[:, i] < 0.0) & (end == DISCHARGE)
-    for i, (_, offset) in enumerate(c.gap_paths):
+    for i, (_, offset) in enumerate(c.gaps):
         out |= (flows[:, ports + 2 * i] < 0.0) & (angles + offset * P[P_PITCH] > P[P_LIFE])
     let = np.array([life.module.chamber__lets_out(phi, phi + 1e-6, P, c.TAB) for phi in angles.tolist()])
     assert (let | ~out).all()

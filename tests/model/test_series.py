@@ -3,6 +3,7 @@
 import dataclasses
 import math
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -10,9 +11,10 @@ from each_row import each_row
 from scenes import DROP, ECONOMIZER, FRICTION, HELD_GAPS, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, SOLUBLE_RATE, make
 
 from screwsim.build import PartsCache, build_parts
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilPort, Part, Resistance, Wall
 from screwsim.model import series
 from screwsim.model.compose import compose
-from screwsim.model.renumbering import renumbered
+from screwsim.model.renumbering import OUTSIDE_TEXT, STRUCTURE, renumbered
 from screwsim.model.series import Composer
 from screwsim.scene import load, with_values
 from screwsim.study.uncertainty.slopes import numeric_paths
@@ -34,6 +36,15 @@ SCENES = {
     },
 }
 FRICTION_GAP = {"gap": "40 um", "length": "150 mm", "friction_fit": "flank", **FRICTION}
+NUMBERS = {  # fields that only give numbers, places of breakpoints, or what is compared by itself
+    FlowPath: {"values", "breakpoints", "own_breakpoints", "corners", "flow_coefficient", "tables", "mirror"}
+    | {"resistance", "law_title"},
+    Resistance: {"values", "title"},
+    HeatRate: {"values"},
+    Wall: {"values", "temperature"},
+    ChamberState: {"values", "start"},
+    OilPort: {"values", "breakpoints", "closes", "pressure", "pressure_loss"},
+}
 OPERATION = {  # of which the structure knows nothing
     "operation.speed": 290.0,
     "operation.discharge.pressure": 11e5,
@@ -42,6 +53,29 @@ OPERATION = {  # of which the structure knows nothing
     "oil.heat_capacity": 2100.0,
 }
 BUILT = {"machine.volume.max": 5.9e-4, "machine.male_lobes": 5, "effects.tip_leakage.gap": 4.4e-5}
+
+
+@each_row("kind", STRUCTURE)
+def test_each_field_of_a_part_is_compared_or_is_a_number(kind):
+    """A field in neither would let a series keep the text of another structure."""
+    fields = {field.name for field in dataclasses.fields(kind)}
+    assert fields == set(STRUCTURE[kind]) | NUMBERS[kind] and not NUMBERS[kind] & set(STRUCTURE[kind])
+
+
+def test_parts_of_any_other_kind_must_be_equal():
+    assert set(OUTSIDE_TEXT) < set(get_args(Part)) and not set(OUTSIDE_TEXT) & set(STRUCTURE)
+
+    @dataclasses.dataclass(frozen=True)
+    class Another:
+        number: float
+
+    scene = make()
+    parts = [build_parts(scene) for _ in range(2)]
+    for each, number in zip(parts, (1.0, 2.0), strict=True):
+        each.effects["tip_leakage"] = (*each.effects["tip_leakage"], Another(number))
+    composition = compose(parts[0])
+    assert renumbered(parts[0], composition, parts[0]) is not None
+    assert renumbered(parts[0], composition, parts[1]) is None
 
 
 class Shared:

@@ -84,7 +84,7 @@ def wet_turn(fluid: str, p: float) -> dict[str, Any]:
     y = install_first_guess(problem, machinery)
     T = border.dew_temperature(p)
     y[:2] = T, DENSER / border.saturated_volumes(T)[1]
-    status, *_ = machinery.turn(y, 1e-10, 1e-3)
+    status, *_ = machinery.turn(y, 1e-10)
     machinery.swap()
     course = machinery.states_at(np.radians(np.arange(0.0, 720.0, 5.0)))[:, :2]
     if status != 0:

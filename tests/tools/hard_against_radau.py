@@ -122,7 +122,7 @@ def followed(problem: Problem, machinery: Machinery, wanted: ClosingCriteria, y:
     began, q, c = y.copy(), np.zeros(0), machinery.composition
     c.P[c.widths] = wanted.widths
     for _ in range(c.chambers):
-        status, angle, _, q = machinery.pitch(y, wanted.rtol, 1e-3, check=wanted.check)
+        status, angle, q = machinery.pitch(y, wanted.rtol, check=wanted.check)
         if status != 0:
             return CycleSolution("failed", machinery.trajectory.copy(), q, y, 1, "coupled", wanted.rtol, angle)
         y = machinery.shift(y)

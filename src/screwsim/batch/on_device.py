@@ -79,7 +79,7 @@ class DeviceTurns:
         status = int(result[:1].view(np.int64)[0])
         if status == TOO_MANY_STEPS and self.steps < each.machinery.max_steps:
             return each.machinery.own_turn(each.y, each.rtol, each.h)
-        return status, float(result[1]), float(result[2]), call.put(each, i)
+        return status, float(result[1]), call.put(each, i)
 
     def _make_room(self, call: _Call) -> None:
         """Allocate memory for a call where there is not enough."""

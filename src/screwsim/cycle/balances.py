@@ -101,7 +101,7 @@ def flow_past_suction_port(problem: Problem, life: Trajectory) -> float:
         return 0.0
     c, at, pitch = problem.composition, problem.parted or 0.0, problem.parts.geometry.pitch
     sums = [
-        (life.sum_until(at, c.first_met + 2 * i), life.sum_until(at + offset * pitch, c.first_met + 2 * i + 1))
+        (life.sum_until(at, c.met(i, slots.AHEAD)), life.sum_until(at + offset * pitch, c.met(i, slots.BEHIND)))
         for i, offset in enumerate(c.offsets)
     ]
     return sum(got + gave for got, gave in sums) - misread_at_discharge(problem, life, at, sums)
@@ -138,7 +138,7 @@ def gap_flow_compensation(problem: Problem, life: Trajectory, opens: float, clos
         """Return what the chamber behind got beyond what the one ahead gave, by the angles of the one behind."""
         if end <= begin:
             return 0.0
-        ahead, behind = c.first_met + 2 * side, c.first_met + 2 * side + 1
+        ahead, behind = c.met(side, slots.AHEAD), c.met(side, slots.BEHIND)
         got = life.sum_until(end, ahead) - life.sum_until(begin, ahead)
         return got + life.sum_until(end + shift, behind) - life.sum_until(begin + shift, behind)
 

@@ -101,7 +101,7 @@ def next_pitch(
     The pitch becomes the last history; y is advanced to its end [in place]. None where the integration stops.
     """
     set_unknowns(problem, machinery, unknowns_in)
-    status, _, _, q = machinery.pitch(y, rtol, 1e-3, check=check)
+    status, _, q = machinery.pitch(y, rtol, check=check)
     if status != 0:
         return None
     machinery.install_coupled()

@@ -39,12 +39,12 @@ def misread_at_discharge(problem: Problem, life: Trajectory, at: float, sums: Se
         shift = offset * pitch
         if at + shift > opens:
             until[offset] = at + shift
-            by_ahead = gave - life.sum_until(opens, c.first_met + 2 * i + 1)
+            by_ahead = gave - life.sum_until(opens, c.met(i, slots.BEHIND))
             given += by_ahead
-            differ += by_ahead + got - life.sum_until(opens - shift, c.first_met + 2 * i)
+            differ += by_ahead + got - life.sum_until(opens - shift, c.met(i, slots.AHEAD))
     if not differ:  # nor where a life has no sums up to an angle
         return 0.0
-    port = sum(float(life.quads[life.steps - 1, c.first_stream + row * c.width]) for row in FROM_SUCTION)
+    port = sum(float(life.quads[life.steps - 1, c.stream(row)]) for row in FROM_SUCTION)
     net = abs(port + sum(got + gave for got, gave in sums))
     least = LEAST_NET * float(life.R[slots.R_TRAPPED])
     if abs(differ) <= DIFFER * problem.scene.numerics.accuracy * max(net, least):
@@ -60,9 +60,9 @@ def _read(problem: Problem, life: Trajectory, begin: float, until: dict[int, flo
     widths = np.diff(edges)[:, None]
     angles = (edges[:-1, None] + widths * NODES).ravel()
     _, flows = life.sample(angles)
-    shares, first = (widths * WEIGHTS).ravel() / problem.parts.omega, len(c.plenum_paths) + 1
-    found = 0.0
-    for i, (_, offset) in enumerate(c.gap_paths):
+    shares, found = (widths * WEIGHTS).ravel() / problem.parts.omega, 0.0
+    for i, (_, offset) in enumerate(c.gaps):
         if offset in until:
-            found += float(np.where(angles < until[offset], shares, 0.0) @ flows[:, first + 2 * i])
+            behind = flows[:, c.flow_through(i, slots.BEHIND)]
+            found += float(np.where(angles < until[offset], shares, 0.0) @ behind)
     return found

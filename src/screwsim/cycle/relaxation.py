@@ -14,33 +14,25 @@ from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals
 from screwsim.cycle.coordinates import WEIGHT, change, logarithms, states_of
 from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.feedback import set_unknowns, unknowns
-from screwsim.cycle.mixing import refined_rtol
 from screwsim.cycle.newton import Correction, Corrections, corrected_start
 from screwsim.cycle.problem import ClosingTask
 from screwsim.cycle.solution import CLOSED_SHARE, NO_EXPECTATION, CycleSolution, Start
+from screwsim.cycle.turn_mixing import TurnMixing
+from screwsim.cycle.turn_steps import NOISE_RATIO, StepTolerance
 from screwsim.effects.base import FlowPath
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_LIFE, Q_WORK, R_TRAPPED
 from screwsim.model.turn_scheduler import reach_station
-from screwsim.numerics.anderson import Anderson
 from screwsim.numerics.settings import WAVEFORMS
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 
 Array = np.ndarray
 MOST_EVALUATIONS = 80_000  # evaluations that simultaneous closing takes in the median, with steps of
 RTOL_OF_MOST = 1e-4  # this tolerance; waveform relaxation may take as many
-FIRST_RTOL = 2e-3  # tolerance of a step in the first turn; later ones follow the gap
-TIGHTENING = 0.3  # largest ratio of a turn's tolerance to that of the turn before
-RTOL_OF_GAP = 0.015  # tolerance of a turn over the gap of the one before
-AFTER_CORRECTION = 1e-3  # tolerance of a turn over the change that the correction before it made
-GOOD_GUESS = 0.1  # gap of a guess up to which a loose first turn would do more harm than it saves
-DEPTH = 5  # of Anderson's method
-TOO_FAR = 0.3  # distance of a mixture from the newest image, in coordinates, above which it is refused
 MAX_TURNS = 40
 LEAKS = 0.13  # mass residual of a first turn, over the charge, above which it is corrected: leaks not yet matched
 SLOW_CONTRACTION = 0.3  # ratio of a turn's change to that of the turn before, above which Newton corrects it
 LEAST_SAVING = 6  # turns that a correction must save where lines pulsate: its tangents cost as much
-NOISE_RATIO = 0.9  # the same ratio, above which changes near the end are noise of the steps
 FIRST_CHANGE = 0.02  # gap above which the second turn is corrected: contraction is only known from the third on
 FIRST_CHANGE_OIL = 0.01  # the same with carried oil, which brings its heat back and makes turns dearer
 LINEAR_WITHIN = 0.1  # change of the states (times `WEIGHT`) above which a linear correction is useless
@@ -48,9 +40,6 @@ QUICK = 0.2  # ratio of a turn's change to that of the turn before, below which 
 ASSUMED_MISS = 0.1  # share of a turn's change that corrections are assumed to miss before a second one shows it
 PREDICTED_WITHIN = 1.5  # tolerances: change to come, as a correction predicts it, with which the cycle may close
 HEAVIER = 2.0  # weight of the unknowns' change to come: with much oil the energy balance depends on its temperature
-STALL = 2  # turns near the end without progress, after which steps are refined
-PROGRESS = 0.5  # ratio to the smallest gap before, below which a gap is progress (NOISE_RATIO without corrections)
-REFINEMENT = 0.4  # factor on the tolerance of the steps then
 FALLING = 0.5  # ratio of a residual to that of the turn before, below which turns, not finer steps, close the balance
 CHANCE_MOVE = 3.0  # tolerances that the next turn would move the states by, above which a small gap may be chance
 NEAR_TOLERANCES = 20.0  # tolerances: a smaller change is left to the turns themselves ...
@@ -100,22 +89,18 @@ class _Turns:
 
     def __init__(self, task: ClosingTask, start: Start) -> None:
         self.problem, self.machinery, self.criteria = problem, machinery, criteria = task
-        self.y, c, expected = start.y.copy(), machinery.composition, start.expected
-        c.P[c.widths] = criteria.widths
-        self.corrections, self.accelerate = Corrections(problem, machinery, start.tangents), Anderson(DEPTH)
-        self.images: list[tuple[Array, Array, int]] = []
-        self.seen: list[tuple[float, float]] = []  # mass and work of each image
+        self.y, expected = start.y.copy(), start.expected
+        machinery.set_widths(criteria.widths)
+        self.corrections, self.mixing = Corrections(problem, machinery, start.tangents), TurnMixing(machinery)
         self.unknowns_in, self.q, self.number = unknowns(problem, machinery), np.zeros(machinery.nq), 0
         self.guessed, self.expected = expected is not NO_EXPECTATION, [expected.seen]
         self.contraction = expected.contraction
-        self.finest = self.rtol = expected.share * criteria.histories_factor * criteria.rtol
-        self.next_rtol = self.finest if expected.gap <= GOOD_GUESS else FIRST_RTOL
+        self.steps = StepTolerance(expected.share * criteria.histories_factor * criteria.rtol, expected.gap)
         self.gap = self.first_gap = self.moved = self.left = 1.0
         self.before = 1.0, 1.0  # gap and change of the states in the turn before
         self.corrected = self.corrected_before = False  # whether the last turn was corrected, and the one before it
         self.open: Residuals | None = None  # residuals of a turn with the finest steps
         self.residual = self.residual_before = np.inf  # largest of the balances, where steps were the finest
-        self.least_gap, self.stalled = np.inf, 0  # smallest gap near the end, and turns since without progress
         self.returning = NO_FEEDBACK  # feedback through the discharge line, where turns are not corrected
         self.missed = expected.missed  # relative error of a correction's prediction, seen by the next turn
 
@@ -128,8 +113,8 @@ class _Turns:
         problem, machinery = self.problem, self.machinery
         self.point, self.steps_before = self.vector(self.unknowns_in), int(machinery.kept[1])
         self.corrected, self.corrected_before = False, self.corrected
-        self.rtol, self.number = max(self.finest, self.next_rtol), self.number + 1
-        status, angle, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
+        self.number += 1
+        status, angle, self.q = machinery.turn(self.y, self.steps.begin())
         if status != 0:
             return angle
         machinery.swap()
@@ -147,7 +132,7 @@ class _Turns:
         if self.corrected_before and self.left >= TELLING_CHANGE * self.criteria.tolerance:
             self.missed = self.gap / self.left
         self.expected, self.residual_before = [now], self.residual
-        self.open = residuals(problem, machinery.R, self.q) if self.rtol <= self.finest else None
+        self.open = residuals(problem, machinery.R, self.q) if self.steps.fine else None
         self.residual = np.inf if self.open is None else self.open.largest
         return None
 
@@ -157,12 +142,12 @@ class _Turns:
         Where only the balances are open and no longer fall from turn to turn, the steps are to blame and are
         refined.
         """
-        if not (self.gap <= self.criteria.tolerance and self.rtol <= self.finest):
+        if not (self.gap <= self.criteria.tolerance and self.steps.fine):
             return False
         if self.residual <= CLOSED_SHARE * self.criteria.bound:
             return not self.by_chance()
         if self.moved <= self.criteria.tolerance and self.residual > FALLING * self.residual_before:
-            self.finest = refined_rtol(self.finest, self.residual / self.criteria.bound)
+            self.steps.refine(self.residual / self.criteria.bound)
         return False
 
     def by_chance(self) -> bool:
@@ -175,13 +160,13 @@ class _Turns:
         (gap, moved), tolerance = self.before, self.criteria.tolerance
         if self.number == 1 or gap <= tolerance:
             return False
-        swings = self.corrections.begun and self.stalled > 0 and self.gap > PROGRESS * self.least_gap
+        swings = self.corrections.begun and self.steps.swings(self.gap)
         return swings or self.moved * min(self.moved / moved, 1.0) > CHANCE_MOVE * tolerance
 
     def closes(self, corrected: bool) -> bool:
         """Return whether too little is still to come to need a confirming turn, and the balances are closed well."""
         little = self.left <= (PREDICTED_WITHIN if corrected else 1.0) * self.criteria.tolerance
-        return little and self.rtol <= self.finest and self.residual <= self.criteria.ahead * self.criteria.bound
+        return little and self.steps.fine and self.residual <= self.criteria.ahead * self.criteria.bound
 
     @property
     def near(self) -> bool:
@@ -228,7 +213,7 @@ class _Turns:
             whole = self.number == 1  # far from the solution a shortened correction may lead anywhere
             found = corrections.of_turn(self.steps_before, start, self.q, self.unknowns_in, self.unknowns_out, whole)
             if found is not None and not begun:
-                self.accelerate.restart()
+                self.mixing.restart()
             if found is not None and found.share == 1.0:
                 work = abs(found.work) / max(abs(self.q[Q_WORK]), self.least_work)
                 told = max(abs(found.mass), work, HEAVIER * float(np.abs(found.unknowns).max(initial=0.0)))
@@ -266,20 +251,16 @@ class _Turns:
         prediction, stay open; and where turns near the end make no progress: corrected ones then correct the noise
         of the steps, those of pulsating lines wander in it until they meet their tolerance by chance.
         """
-        if self.rtol > self.finest:  # the next turn is finer anyway
+        if not self.steps.fine:  # the next turn is finer anyway
             return
         if correction is not None and self.gap <= self.criteria.tolerance:
             foretold = residuals(self.problem, self.machinery.R, self.q + correction.sums).largest
             stays = min(foretold, self.residual)
             if stays > CLOSED_SHARE * self.criteria.bound:
-                self.finest = refined_rtol(self.finest, stays / self.criteria.bound)
+                self.steps.refine(stays / self.criteria.bound)
                 return
         if self.near and (self.corrections.begun or self.problem.composition.pulsating):
-            wanted = PROGRESS if self.corrections.begun else NOISE_RATIO
-            progress = self.gap < wanted * self.least_gap
-            self.least_gap, self.stalled = (self.gap, 0) if progress else (self.least_gap, self.stalled + 1)
-            if self.stalled > STALL:
-                self.finest, self.least_gap, self.stalled = REFINEMENT * self.finest, np.inf, 0
+            self.steps.watch(self.gap, self.corrections.begun)
 
     def go_on(self, correction: Correction | None) -> None:
         """Set the start of the next turn: this one's image, corrected or mixed with earlier ones."""
@@ -289,30 +270,21 @@ class _Turns:
             unknowns_out = corrected_start(problem, correction, self.image[:n], self.y, unknowns_out)
             ((mass, work),) = self.expected
             self.expected = [(mass * float(np.exp(correction.mass)), work + correction.work)]
-            mixed = self._mixed(self.vector(unknowns_out), self.stalled > 0)
-            self.next_rtol = AFTER_CORRECTION * self.left
+            mixed = self._mixed(self.vector(unknowns_out), self.steps.stalled > 0)
+            self.steps.follow_correction(self.left)
         else:
             unknowns_out = self.returning.extrapolated(unknowns_out)
             mixed = self._mixed(self.image if unknowns_out is self.unknowns_out else self.vector(unknowns_out))
-            self.next_rtol = min(TIGHTENING * self.rtol, RTOL_OF_GAP * self.gap)
+            self.steps.follow(self.gap)
         self.y[:] = states_of(mixed[:n], self.y, machinery.composition)
         self.unknowns_in = problem.entries.values(mixed[len(mixed) - len(self.unknowns_in) :], unknowns_out)
         set_unknowns(problem, machinery, self.unknowns_in)
 
     def _mixed(self, image: Array, wanted: bool = True) -> Array:
-        """Return Anderson's mixture of the last images, with their histories blended likewise; else the image.
-
-        Corrected images are not mixed (`wanted` False) while corrections make progress: blending histories of
-        different steps leaves a mass residual. Mixtures too far from the image are refused.
-        """
-        self.images = [*self.images, self.machinery.image()][-DEPTH - 1 :]
-        self.seen = [*self.seen, self.expected[0]][-DEPTH - 1 :]
-        weights, mixed = self.accelerate.mix(self.point, image)
-        if not wanted or len(weights) == 1 or not np.max(np.abs(mixed - image)) < TOO_FAR:
-            return image
-        self.machinery.blend(self.images[-len(weights) :], weights)
-        mass, work = (weights @ np.array(self.seen[-len(weights) :])).tolist()
-        self.expected = [*self.expected, (mass, work)]
+        """Return the next point, and expect its mass and work beside those of the image."""
+        mixed, seen = self.mixing.next(self.point, image, self.expected[0], wanted)
+        if seen is not None:
+            self.expected = [*self.expected, seen]
         return mixed
 
     def ended(self, status: str, angle: float = 0.0) -> CycleSolution:
@@ -321,7 +293,7 @@ class _Turns:
         reach_station()
         return CycleSolution(
             *(status, machinery.trajectory.copy(), self.q, self.y, self.number, WAVEFORMS),
-            rtol=self.rtol if status == FAILED else self.finest,
+            rtol=self.steps.now if status == FAILED else self.steps.finest,
             angle=angle,
             change=0.0 if status == FAILED else self.gap,
             first_gap=self.first_gap if ok else 1.0,

@@ -172,7 +172,7 @@ class _PitchMap:
         self.problem, self.machinery, criteria = task
         self.rtol, self.check = min(criteria.rtol, LARGEST_RTOL), criteria.check
         self.c = self.machinery.composition
-        self.c.P[self.c.widths] = criteria.widths
+        self.machinery.set_widths(criteria.widths)
 
     def first(self, y: Array) -> SearchPoint | None:
         """Return the point of the states y and the unknowns as they are set."""

@@ -71,7 +71,7 @@ class _Pitches:
         self.problem, self.machinery, self.criteria = problem, machinery, criteria = task
         self.rule, self.y = rule, y
         self.c, self.entries = machinery.composition, problem.entries
-        self.c.P[self.c.widths] = criteria.widths
+        machinery.set_widths(criteria.widths)
         self.corrections = Corrections(problem, machinery)
         self.mixing, self.refining = Mixing(rule), StepRefinement(criteria.rtol, criteria.tolerance, criteria.bound)
         self.unknowns_in, self.q, self.rtol = unknowns(problem, machinery), np.zeros(machinery.nq), criteria.rtol
@@ -85,7 +85,7 @@ class _Pitches:
         problem, machinery, c, entries = self.problem, self.machinery, self.c, self.entries
         self.point = np.concatenate([logarithms(self.y, c), entries.coordinates(self.unknowns_in)])
         end, self.rtol = self.y.copy(), self.refining.rtol
-        status, angle, _, self.q = machinery.pitch(end, self.rtol, 1e-3, check=self.criteria.check)
+        status, angle, self.q = machinery.pitch(end, self.rtol, check=self.criteria.check)
         if status != 0:
             self.y = end
             return angle

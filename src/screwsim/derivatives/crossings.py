@@ -97,7 +97,7 @@ def _reversals(pitch: CollocatedPitch, angles: Array, wide: Array, p: Array) -> 
     reaching: dict[int, tuple[Any, ...]] = {}  # for ports, by the number of their line
     for path in (path for _, path in parts.all(FlowPath)):
         of_port = not path.between
-        index = ports if of_port else len(c.plenum_paths) + gaps
+        index = ports if of_port else len(c.ports) + gaps
         ports, gaps = ports + of_port, gaps + (not of_port)
         number = parts.number(path.to) if of_port else 0
         passes = reaching.get(number) if of_port else passing.get(path.offset)

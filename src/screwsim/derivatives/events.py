@@ -15,7 +15,7 @@ import numpy as np
 from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.model.impacts import LEAVES, MOVES, SEATED, STOPPED
 from screwsim.model.run import Machinery
-from screwsim.model.slots import OPENING, S_RHO, S_T
+from screwsim.model.slots import S_RHO, S_T
 from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
@@ -79,8 +79,7 @@ class EventLaws:
     """The conditions and jumps of events, and their derivatives, with the numbers of a machinery on loan."""
 
     def __init__(self, machinery: Machinery) -> None:
-        self.machinery, c = machinery, machinery.composition
-        self.stops, self.due = c.stops, OPENING + 2 * len(c.plenum_paths) + len(c.stops)
+        self.machinery, self.stops = machinery, machinery.composition.stops
 
     def open_(self, event: Event, y: Array, numbers: RateNumbers) -> float:
         """Return what is open of an event's condition at the states before it: a position, or a push."""
@@ -113,8 +112,9 @@ class EventLaws:
         found = y.copy()
         if event.what != LEAVES:
             (i, j), (P, TAB, R) = self.stops[event.pair], numbers
-            own = np.zeros(len(self.machinery.spaces[1]))
-            own[self.due + event.pair] = event.what
+            cells = self.machinery.composition.own
+            own = np.zeros(cells.size)
+            own[cells.due][event.pair] = event.what
             self.machinery.module.chamber__take_event(found, 0.0, own, R, P, TAB)
             found[i] = 0.5 * (1.0 + event.what)
             found[j] = 0.0 if event.rests else found[j]

@@ -153,7 +153,7 @@ def _room(size: int, _of: Any) -> Array:
 def _in_lanes(pitch: CollocatedPitch, nodes: Nodes, numbers: Sequence[RateNumbers], entry: Any) -> tuple[Array, Array]:
     """Return the rates at the nodes (nodes, …, lanes) of each lane's numbers; all lanes have equally many nodes."""
     machinery = pitch.machinery
-    port_states, work = machinery.coupled_space()["spaces"]
+    port_states, work = machinery.coupled.port_states, machinery.coupled.work
     rows = {"port_states": aligned(len(port_states)), "work": aligned(len(work))}
     rows["port_states"][:], rows["work"][:] = port_states[:, None], work[:, None]
     alike = all(each is numbers[0] for each in numbers)

@@ -317,7 +317,7 @@ class CollocatedPitch:
 
     def _held(self) -> Array:
         """Return the cells that hold what chambers are held in."""
-        return self.machinery.coupled_space()["spaces"][0][(self.machinery.composition.chambers + 1) * PORT_STATE :]
+        return self.machinery.coupled.port_states[(self.machinery.composition.chambers + 1) * PORT_STATE :]
 
     # ---- reading -----------------------------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.rate_numbers import Changes, LinearEvent, RateNumbers
 from screwsim.derivatives.slices import NODES, between
 from screwsim.model.impacts import MOVES
-from screwsim.model.slots import FREE, P_INJECTION, PHASE, PORT_STATE, PRESSURE
+from screwsim.model.slots import FREE, P_INJECTION, PORT_STATE, PRESSURE
 from screwsim.numerics.history import NUDGE
 
 Array = np.ndarray
@@ -86,8 +86,7 @@ class CollocatedTurn(CollocatedPitch):
 
     def _held(self) -> Array:
         """Return the cells that hold what the chamber is held in."""
-        own = self.machinery.coupled_space()["spaces"][0]
-        return own[PHASE : PHASE + 1 + 2 * self.switches.shape[1] + self.modes.shape[1]]
+        return self.machinery.coupled.port_states[self.machinery.composition.own.holding]
 
     # ---- states ------------------------------------------------------------------------------------------------
 

@@ -80,11 +80,11 @@ def _flows(
         slow = np.array([slowness(phi, pitch, c.speed_curve, c.P) for phi in np.radians(degrees).tolist()])
         flows /= slow[:, None]
         films /= slow[:, None]
-    for i, name in enumerate(c.plenum_paths):
+    for i, name in enumerate(c.ports):
         yield f"mass_flow_{name}", flows[:, i]
-    for i, (name, _) in enumerate(c.gap_paths):
+    for i, (name, _) in enumerate(c.gaps):
         for side, word in enumerate(("leading", "trailing")):
-            yield f"mass_flow_{name}_{word}", flows[:, len(c.plenum_paths) + 2 * i + side]
+            yield f"mass_flow_{name}_{word}", flows[:, c.flow_through(i, side)]
             if parts.films[i]:
                 yield f"oil_flow_{name}_{word}", films[:, 2 * i + side]
 

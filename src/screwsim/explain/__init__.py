@@ -305,7 +305,7 @@ def _numerics(scene: Scene) -> Iterator[str]:
 
 def _size(model: Composition) -> Iterator[str]:
     n = len(model.states)
-    yield row("one chamber", f"{n} states, {len(model.plenum_paths) + len(model.gap_paths)} flow paths")
+    yield row("one chamber", f"{n} states, {len(model.ports) + len(model.gaps)} flow paths")
     if model.made:
         beside = f"{len(model.made)} values of effects, besides the discharge line (docs/explanation/closing.md)"
         yield row("found with cycle", beside)

@@ -32,6 +32,9 @@ Array = np.ndarray
 DEGREE = 9  # degree of the polynomials
 BINS = 64  # intervals from the critical point to the lowest temperature
 LOG_P_BINS = 48  # intervals of the table of T over ln p
+CUT = 0.3  # longest step of Newton's method in ln ρ
+FURTHER = 60  # most further steps where the start is farther off than the usual ones reach
+APART = 1e-6  # vapour's density over the liquid's, below which they are taken
 POLISHED = 1e-5  # t above which pressures are solved for; below, they follow from the density table
 
 
@@ -112,14 +115,24 @@ def _critical(known: Description, potentials: Any) -> tuple[float, float]:
 
 
 def _newton(potentials: Any, T: Array, liquid: Array, vapour: Array, steps: int) -> tuple[Array, Array]:
-    """Return densities of both phases with equal p and g by Newton's method in ln ρ, from given starts."""
+    """Return densities of both phases with equal p and g by Newton's method in ln ρ, from given starts.
+
+    Where the last step is still cut while both phases are far apart (CoolProp's cold vapour of propylene glycol is off
+    by up to e⁵), up to FURTHER steps follow.
+    """
     with np.errstate(all="ignore"):
-        for _ in range(steps):
+        far = np.ones(T.shape, bool)
+        for step in range(steps + FURTHER):
             p_l, slope_l, g_l = potentials(T, liquid)
             p_v, slope_v, g_v = potentials(T, vapour)
             dp, dg, gap = p_l - p_v, g_l - g_v, liquid - vapour
             by_l, by_v = (dg * vapour - dp) / (slope_l * gap), (dg * liquid - dp) / (slope_v * gap)
-            liquid, vapour = (rho * np.exp(np.clip(by, -0.3, 0.3)) for rho, by in ((liquid, by_l), (vapour, by_v)))
+            liquid = np.where(far, liquid * np.exp(np.clip(by_l, -CUT, CUT)), liquid)
+            vapour = np.where(far, vapour * np.exp(np.clip(by_v, -CUT, CUT)), vapour)
+            if step >= steps - 1:
+                far = far & (np.abs(by_v) > CUT) & (vapour < APART * liquid)
+                if not far.any():
+                    break
     return liquid, vapour
 
 

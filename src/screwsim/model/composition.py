@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.model.slots import P_PORT_WIDTH, Q_WALLS
+from screwsim.model.own_cells import OwnCells, own_cells
+from screwsim.model.slots import OF_GAS, P_PORT_WIDTH, Q_WALLS
 from screwsim.numerics.identity_cache import once
 
 
@@ -41,9 +42,9 @@ class Composition:
     TAB: np.ndarray
     breakpoints: np.ndarray  # of one chamber's life, including neighbours' [rad]
     states: tuple[str, ...]
-    plenum_paths: tuple[str, ...]
-    gap_paths: tuple[tuple[str, int], ...]  # effect, lobe offset
-    ends: tuple[str, ...]  # of plenum paths and gaps: the line or plenum that outflow goes to
+    ports: tuple[str, ...]  # effects of the paths to lines and plenums
+    gaps: tuple[tuple[str, int], ...]  # effect, lobe offset
+    ends: tuple[str, ...]  # of ports and gaps: the line or plenum that outflow goes to
     heats: tuple[str, ...]  # effects of the heat rates
     n_port_state: int  # columns of a history beyond the states
     n_sums: int
@@ -80,14 +81,37 @@ class Composition:
         return slice(P_PORT_WIDTH, P_PORT_WIDTH + self.n_widths)
 
     @once
-    def first_met(self) -> int:
-        """Index, among a chamber's quadratures, of the gas from chambers ahead and behind, by offset."""
-        return Q_WALLS + 2 * len(self.walls)
+    def own(self) -> OwnCells:
+        """Where a chamber keeps what it has beside its states."""
+        return own_cells(len(self.ports), len(self.stops))
+
+    @property
+    def n_flows(self) -> int:
+        """Number of flows into a chamber: through each port, then each gap ahead and behind."""
+        return len(self.ports) + 2 * len(self.gaps)
+
+    def flow_through(self, gap: int, side: int) -> int:
+        """Return the column, among the flows into a chamber, of a gap's side (AHEAD or BEHIND)."""
+        return len(self.ports) + 2 * gap + side
+
+    @once
+    def all_met(self) -> slice:
+        """The quadratures of the gas from chambers ahead and behind, by offset."""
+        first = Q_WALLS + 2 * len(self.walls)
+        return slice(first, first + 2 * len(self.offsets))
+
+    def met(self, offset: int, side: int) -> int:
+        """Return the quadrature of the gas from the chamber ahead or behind, for the number of an offset."""
+        return self.all_met.start + 2 * offset + side
 
     @once
     def first_stream(self) -> int:
         """Index, among the quadratures, of the first of the streams' sums."""
-        return self.first_met + 2 * len(self.offsets) + self.pushes
+        return self.all_met.stop + self.pushes
+
+    def stream(self, category: int, quantity: int = OF_GAS) -> int:
+        """Return the quadrature of a quantity of a stream (`slots`: SUCTION_IN …, OF_GAS …)."""
+        return self.first_stream + self.width * category + quantity
 
     @property
     def n_quadratures(self) -> int:

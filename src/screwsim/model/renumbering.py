@@ -5,7 +5,7 @@ that affect more than calls of kernels, must be the same.
 """
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from operator import attrgetter
 from typing import Any
 
@@ -15,15 +15,16 @@ from screwsim.effects.base import (
     ChamberState,
     FlowPath,
     HeatRate,
-    OilGas,
+    LineLeak,
+    Made,
     OilPort,
-    OilRoom,
-    Plenum,
-    Pulsation,
+    PowerLoss,
+    Reading,
     Resistance,
-    Scaled,
-    Stops,
-    SuctionLine,
+    Separator,
+    Shaft,
+    SuctionChange,
+    SuctionHeat,
     Wall,
 )
 from screwsim.model.breakpoints import breakpoints
@@ -36,17 +37,19 @@ from screwsim.numerics.frozen import with_changes
 Array = np.ndarray
 
 BY_SPEED = ("omega", "tip_speed", SPAN)  # numbers of `operating` that follow from the mean speed
-# fields of a part that affect the text, besides the names of its numbers
-STRUCTURE: dict[type, Callable[[Any], Any]] = {
-    FlowPath: attrgetter("to", "area", "offset", "opening", "narrow", "one_way", "beside", "port", "law"),
-    Resistance: attrgetter("share", "film", "drag"),
-    HeatRate: attrgetter("kernel", "oil_factor"),
-    Wall: attrgetter("name", "conductance"),
-    ChamberState: attrgetter("name", "rate", "positive"),
-    OilPort: attrgetter("flow", "pumped"),
+# fields of a part that affect the text as a whole, besides the names of its numbers; for the others, `_structure_of`
+STRUCTURE: dict[type, tuple[str, ...]] = {
+    FlowPath: ("to", "area", "offset", "opening", "narrow", "one_way", "beside", "port", "law"),
+    Resistance: ("share", "film", "drag"),
+    HeatRate: ("kernel", "oil_factor"),
+    Wall: ("name", "conductance"),
+    ChamberState: ("name", "rate", "positive"),
+    OilPort: ("flow", "pumped"),
 }
+_STRUCTURE = {kind: attrgetter(*names) for kind, names in STRUCTURE.items()}
+# parts of which the text has nothing, or (`Made`) the name alone: they may differ; all others must be equal
+OUTSIDE_TEXT = (Made, PowerLoss, Reading, Shaft, Separator, SuctionChange, LineLeak, SuctionHeat)
 OF_GAS = ("state", "phased_state", "specific_entropy", "varies")  # the same of a gas, besides the names of its values
-WHOLE = (OilGas, OilRoom, Plenum, Pulsation, Scaled, Stops, SuctionLine)  # parts that must be equal
 
 
 def stored_numbers(parts: Parts, law: Any, numbers: Mapping[int, tuple[Any, str]]) -> tuple[StoredNumber, ...] | None:
@@ -150,11 +153,11 @@ def _structure(parts: Parts, law: Any) -> tuple[Any, ...]:
 
 
 def _structure_of(part: Any) -> Any:
-    """Return what affects the text about a part of an effect: some of its fields, the whole part, or its kind alone."""
+    """Return what affects the text about a part of an effect: some of its fields, its kind alone, or the whole part."""
     kind = type(part)
     if kind not in STRUCTURE:
-        return part if isinstance(part, (*WHOLE, *STRUCTURE)) else kind
-    found = [kind, STRUCTURE[kind](part), part.values.keys()]
+        return kind if kind in OUTSIDE_TEXT else part
+    found = [kind, _STRUCTURE[kind](part), part.values.keys()]
     if kind is FlowPath:
         found += [part.mirror is None, _arrays(part), part.resistance and _structure_of(part.resistance)]
     if kind is Wall:

@@ -5,6 +5,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from functools import cached_property
 from threading import Lock
 from types import ModuleType
@@ -15,7 +16,7 @@ import numpy as np
 from screwsim.codegen.calls import Context
 from screwsim.model import compiled, under_scipy
 from screwsim.model.composition import Composition
-from screwsim.model.slots import FREE, OPENING, P_INJECTION, P_LIFE, P_PITCH, PORT_STATE
+from screwsim.model.slots import FREE, P_INJECTION, P_LIFE, P_PITCH, PORT_STATE
 from screwsim.model.trajectory import ChamberContext, CoupledContext, Trajectory
 from screwsim.model.turn_scheduler import scheduler
 from screwsim.numerics.compiling import clock
@@ -25,8 +26,24 @@ from screwsim.numerics.reused_arrays import room
 from screwsim.numerics.rodas import EVALUATED, JACOBIANS
 
 MAX_STEPS = 60000  # capacity of a history; unwritten pages cost nothing
+FIRST_STEP = 1e-3  # [rad] with which a turn or pitch begins, unless its caller knows better
 MOST_CONTEXTS = 6  # that are kept
 Array = np.ndarray
+
+
+@dataclass
+class CoupledArrays:
+    """The arrays that the driver of all chambers reads and writes."""
+
+    port_states: Array  # of the chambers and of the line beyond the last one, then the phase that each is held in;
+    # of a single chamber its own cells
+    work: Array
+    history: tuple[Array, Array, Array]  # of one pitch: times, dense output of all chambers, quadratures
+    kept: Array = field(default_factory=lambda: np.zeros(1, np.int64))  # steps of the history
+
+    def last(self) -> tuple[Array, Array, int]:
+        """Return (times, dense, steps) of the last pitch."""
+        return self.history[0], self.history[1], int(self.kept[0])
 
 
 class Machinery:
@@ -46,14 +63,13 @@ class Machinery:
         self.histories = [self.new_history(max_steps, self.columns, self.nq) for _ in range(2)]
         self.kept = np.zeros(2, np.int64)
         self.hints = np.zeros(64, np.int64)
-        paths = len(composition.plenum_paths)
-        stops = np.zeros(2 * len(composition.stops) + 5)
-        own = np.concatenate([np.zeros(PORT_STATE), [FREE], np.zeros(paths), np.full(paths, FREE), stops])
+        cells = composition.own
+        own = np.zeros(cells.size)
+        own[cells.phase] = own[cells.held] = FREE
         self._at_first = own.copy()
         self.spaces = (np.zeros(self.columns), own)
         self.counts = np.zeros(4, np.int64)
         self._contexts: dict[tuple[int, ...], Context] = {}  # by ids of arrays, which it keeps alive
-        self._together: dict[str, Any] = {}
         self._rows: dict[int, tuple[Array, Array]] = {}  # buffers of `states_along`, by length
         self._reading = Lock()
         self.line_flows: dict[tuple[Any, ...], tuple[Array, Array]] = {}  # by lives of this composition
@@ -104,7 +120,7 @@ class Machinery:
         """Compile (or load) the driver of one chamber, announced if it takes long; not counted as solution time."""
         if "one" not in compiled.warm_drivers(self.module):
             with self.compiling("one"):
-                self.own_turn(start(), 1e-2, 1e-3)
+                self.own_turn(start(), 1e-2)
                 self.swap()
                 self.states_at(np.array([0.1]))
                 self.blend([self.image(), self.image()], np.array([0.5, 0.5]))
@@ -120,22 +136,29 @@ class Machinery:
         self.counts[:], self.R[:] = counts, R
         self.compile_time += clock() - started
 
-    def turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
-        """Integrate one life from y (changed in place); return (status, angle reached, last step, quadratures)."""
+    def set_widths(self, widths: Sequence[float]) -> None:
+        """Set the widths of the regularisation [Pa; gaps: a share]."""
+        self.composition.P[self.composition.widths] = widths
+
+    def turn(self, y: Array, rtol: float, h: float = FIRST_STEP) -> tuple[int, float, Array]:
+        """Integrate one life from y (changed in place); return (status, angle reached [rad], quadratures).
+
+        `h` [rad] is the first step.
+        """
         self.watch()
         if scheduler.turn is not None:
             return scheduler.turn(self, y, rtol, h)
         return self.own_turn(y, rtol, h)
 
-    def own_turn(self, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+    def own_turn(self, y: Array, rtol: float, h: float = FIRST_STEP) -> tuple[int, float, Array]:
         """Do what `turn` does here, regardless of a scheduler of this thread."""
         c = self.composition
         q = np.zeros(self.nq)
-        status, phi, h = self.module.rodas__integrate_one(
+        status, phi, _ = self.module.rodas__integrate_one(
             *(c.breakpoints, len(c.breakpoints), y, q, self.context, rtol, h, c.n_E),
             *(*self.histories[1], self.kept, self.counts),
         )
-        return int(status), float(phi), float(h), q
+        return int(status), float(phi), q
 
     def evaluations_of(self, counts: Sequence[int] | Array) -> int:
         """Return the evaluations of one chamber's right-hand side in counts, including those for Jacobians."""
@@ -144,8 +167,7 @@ class Machinery:
     @property
     def impacts(self) -> int:
         """Impact events of the last turn, where something moves between seat and stop."""
-        own, stops = self.spaces[1], len(self.composition.stops)
-        return int(own[OPENING + 2 * len(self.composition.plenum_paths) + 2 * stops]) if stops else 0
+        return int(self.spaces[1][self.composition.own.impacts]) if self.composition.stops else 0
 
     def swap(self) -> None:
         """Make the turn just integrated the last one."""
@@ -233,18 +255,16 @@ class Machinery:
 
     # ---- all chambers together -------------------------------------------------------------------------------
 
-    def coupled_space(self) -> dict[str, Any]:
-        """Return the arrays of all chambers together, created on first use."""
-        if not self._together:
-            c = self.composition
-            port_states = np.append(np.zeros((c.chambers + 1) * PORT_STATE), np.full(c.chambers, FREE))
-            port_states = self._at_first.copy() if self.alone else port_states
-            self._together = {
-                "spaces": (port_states, np.zeros(c.n_work_all)),
-                "history": self.new_history(self.max_steps, c.chambers * self.n, self.nq + 1),
-                "kept": np.zeros(1, np.int64),
-            }
-        return self._together
+    @cached_property
+    def coupled(self) -> CoupledArrays:
+        """The arrays of all chambers together, created on first use."""
+        c = self.composition
+        port_states = np.append(np.zeros((c.chambers + 1) * PORT_STATE), np.full(c.chambers, FREE))
+        return CoupledArrays(
+            self._at_first.copy() if self.alone else port_states,
+            np.zeros(c.n_work_all),
+            self.new_history(self.max_steps, c.chambers * self.n, self.nq + 1),
+        )
 
     def pitch_breakpoints(self) -> Array:
         """Return the breakpoints of all chambers within one pitch [rad]."""
@@ -257,11 +277,11 @@ class Machinery:
     def coupled_context(self) -> Context:
         """The context of all chambers."""
         c = self.composition
-        return Context(CoupledContext(c.P, c.TAB, self.R, *self.coupled_space()["spaces"]))
+        return Context(CoupledContext(c.P, c.TAB, self.R, self.coupled.port_states, self.coupled.work))
 
     def pitch(
-        self, y: Array, rtol: float, h: float, inset: float = 0.0, check: Check | None = None
-    ) -> tuple[int, float, float, Array]:
+        self, y: Array, rtol: float, h: float = FIRST_STEP, inset: float = 0.0, check: Check | None = None
+    ) -> tuple[int, float, Array]:
         """Integrate all chambers over one pitch from y (in place), after injection; return as `turn` does.
 
         `inset` [rad] is left out at both ends, where a speed that is not periodic jumps. With a `check` its
@@ -287,14 +307,14 @@ class Machinery:
         """Whether there is a single chamber, whose life is the pitch, integrated by its own driver."""
         return self.composition.chambers == 1
 
-    def own_pitch(self, y: Array, rtol: float, h: float, inset: float = 0.0) -> tuple[int, float, float, Array]:
+    def own_pitch(self, y: Array, rtol: float, h: float = FIRST_STEP, inset: float = 0.0) -> tuple[int, float, Array]:
         """Do what `pitch` does, with our own method."""
-        space, c = self.coupled_space(), self.composition
+        c = self.composition
         self.inject(y)
         q = np.zeros(self.nq + 1)
         counts, breakpoints = np.zeros(4, np.int64), self.pitch_breakpoints()
         breakpoints[[0, -1]] += inset, -inset
-        status, s, h = self.together.rodas__integrate_all(
+        status, s, _ = self.together.rodas__integrate_all(
             breakpoints,
             len(breakpoints),
             y,
@@ -303,12 +323,12 @@ class Machinery:
             rtol,
             h,
             c.n_E_all,
-            *space["history"],
-            space["kept"],
+            *self.coupled.history,
+            self.coupled.kept,
             counts,
         )
         self.counts += counts * (1, 1, c.chambers, c.chambers)  # counted as evaluations of one chamber
-        return int(status), float(s), float(h), q[:-1]
+        return int(status), float(s), q[:-1]
 
     def inject(self, y: Array) -> None:
         """Inject oil into the chamber at the injection angle."""
@@ -327,9 +347,8 @@ class Machinery:
             if self.kept[0] > 0:
                 self.swap()
             return
-        space, c = self.coupled_space(), self.composition
-        times, dense, _ = space["history"]
-        steps = int(space["kept"][0])
+        c = self.composition
+        times, dense, steps = self.coupled.last()
         t = np.concatenate([times[:steps] + j * c.P[P_PITCH] for j in range(c.chambers)] + [[c.P[P_LIFE]]])
         states = dense[:steps].reshape(steps, 4, c.chambers, self.n)
         life = np.concatenate([states[:, :, j] for j in range(c.chambers)])

@@ -52,7 +52,7 @@ class TurnRequest(NamedTuple):
     h: float
 
 
-Answer = tuple[int, float, float, Array]  # as returned by `Machinery.turn`
+Answer = tuple[int, float, Array]  # as returned by `Machinery.turn`
 
 
 def arrays_of(each: TurnRequest) -> dict[str, Array]:
@@ -89,8 +89,8 @@ class Lanes:
             for name, rows in self._rows.items():
                 for lane, arrays in enumerate(named):
                     arrays[name][:] = rows[:, lane]
-            status, (angles, steps) = self._out[:LANES].view(np.int64), self._out[LANES:].reshape(2, LANES)
-            return [(int(status[i]), float(angles[i]), float(steps[i]), named[i]["q"]) for i in range(len(requests))]
+            status, angles = self._out[:LANES].view(np.int64), self._out[LANES : 2 * LANES]
+            return [(int(status[i]), float(angles[i]), named[i]["q"]) for i in range(len(requests))]
 
     def _words(self, requests: Sequence[TurnRequest], named: Sequence[dict[str, Array]]) -> Array:
         """Return the arguments of the call in words of 64 bits; idle lanes repeat those of the first."""

@@ -90,8 +90,6 @@ HELD = 4  # where oil dissolves: gas per oil
 PLENUM_ENTROPY = C_V  # of an effect's own plenum: specific entropy
 PHASE = PORT_STATE  # after a chamber's own port state: the phase in which its gas is held, FREE or 0 or 1
 BEYOND = PORT_STATE  # after a neighbour's port state in E: 1 where it is the discharge line's, beyond the last chamber
-OPENING = PORT_STATE + 1  # in a chamber's own: after the held phase, opening and switch of each plenum path,
-# then the memory of each seat and stop (`network.stops`)
 LOOSE = -2.0  # of a switch, when reading a stored cycle: open within the error of the pressure
 FREE = -1.0  # phase of a chamber that its state determines; otherwise it is held for a step of the integrator
 
@@ -109,6 +107,8 @@ E_VOLUME, E_SLOPE, E_OILED, E_ANGLE, E_AREAS = range(5)
 # or oil ports also the oil through ports, then in and out of each own plenum: 2 i and 2 i + 1 for plenum i
 SUCTION_IN, SUCTION_OUT, DISCHARGE_IN, DISCHARGE_OUT, BETWEEN, PORT_OIL = range(6)
 
+AHEAD, BEHIND = range(2)  # sides of a gap: the chamber on the other side of it
+
 # sums of each: gas [kg], its enthalpy [J], oil [kg], oil times its temperature, gas dissolved in the oil [kg]
 OF_GAS, OF_ENERGY, OF_OIL, OF_OIL_HEAT, OF_HELD = range(5)
 
@@ -120,7 +120,7 @@ Q_WORK, Q_HEAT, Q_WALLS = range(3)
 FIXED = (
     *("P_OMEGA", "P_PITCH", "P_LIFE", "P_INJECTION", "P_PORT_WIDTH", "P_DISCHARGE_WIDTH", "P_GAP_WIDTH"),
     *("PRESSURE", "DENSITY", "ENTHALPY", "EXPONENT", "CHOKE", "CHOKED", "OIL_RATIO", "OIL_TEMPERATURE", "C_V", "TPT"),
-    *("DISSOLVED", "PORT_STATE", "PHASE", "BEYOND", "OPENING", "LOOSE", "FREE", "R_SUCTION", "R_DISCHARGE", "R_RATIO"),
+    *("DISSOLVED", "PORT_STATE", "PHASE", "BEYOND", "LOOSE", "FREE", "R_SUCTION", "R_DISCHARGE", "R_RATIO"),
     *("R_TRAPPED", "R_PRESSURE", "R_OIL_BEFORE", "R_INJECTED"),
     *("E_VOLUME", "E_SLOPE", "E_OILED", "E_ANGLE", "E_AREAS", "PLENUM_ENTROPY"),
 )

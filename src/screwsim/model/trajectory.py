@@ -150,7 +150,7 @@ class Trajectory(NamedTuple):
         """Return rows of (SAMPLED, state…) and of the flow of each path [kg/s] at increasing angles [rad]."""
         c = self.composition
         out = np.empty((len(angles), len(SAMPLED) + len(c.states)))
-        flows = np.empty((len(angles), len(c.plenum_paths) + 2 * len(c.gap_paths)))
+        flows = np.empty((len(angles), c.n_flows))
         rows = self.times, self.dense, self.quads, self.steps
         with self.alone:
             self.module.trace__sample(angles, *rows, self.context, c.n_E, out, flows)
@@ -159,7 +159,7 @@ class Trajectory(NamedTuple):
     def oil_films(self, angles: Array) -> Array:
         """Return rows of the oil [kg/s] that enters through gaps as films, each ahead and behind, at angles [rad]."""
         c = self.composition
-        out = np.empty((len(angles), 2 * len(c.gap_paths)))
+        out = np.empty((len(angles), 2 * len(c.gaps)))
         with self.alone:
             self.module.trace__oil_films(angles, *self.rows, self.context, c.n_E, out)
         return out
@@ -208,7 +208,7 @@ class Trajectory(NamedTuple):
         `s_…` are the specific entropies [J/(kg K)] of the lines' gas. Compiled on first use.
         """
         c = self.composition
-        paths = np.zeros((len(c.plenum_paths) + len(c.gap_paths), ledger.PATH_SUMS))
+        paths = np.zeros((len(c.ports) + len(c.gaps), ledger.PATH_SUMS))
         warming = len(c.heats) + len(c.walls)
         heats, oil = np.zeros((max(warming, 1), ledger.HEAT_SUMS)), np.zeros(ledger.OIL_SUMS)
         with self.alone, compiled.announce_first(self.module, "ledger"):

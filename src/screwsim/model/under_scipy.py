@@ -16,7 +16,7 @@ import numpy as np
 
 from screwsim.model.impacts import LEAVES, MOVES, SEATED, STOPPED
 from screwsim.model.port_states import SHARP
-from screwsim.model.slots import FREE, OPENING, P_INJECTION, PORT_STATE, Q_WALLS
+from screwsim.model.slots import FREE, P_INJECTION, Q_WALLS
 from screwsim.numerics.integrators import Check
 from screwsim.numerics.scipy_integrators import Slopes, integrate
 
@@ -102,19 +102,16 @@ Array = np.ndarray
 WATCHED = 16  # evaluations between two calls of the machinery's `watch`, which take as long as one
 
 
-def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, Array]:
     """Do what `Machinery.turn` does, by a check's method; a loose turn of our own scales the quadratures."""
-    _, _, _, q_scale = machinery.turn(y.copy(), 1e-3, h)
+    *_, q_scale = machinery.turn(y.copy(), 1e-3, h)
     c, module, context, own = machinery.composition, machinery.module, machinery.context, machinery.spaces[1]
-    held = slice(OPENING + len(c.plenum_paths), OPENING + 2 * len(c.plenum_paths))
     impacts = None
     if c.stops:
-        impacts = ImpactEvents(module, machinery.n, c.stops, own, held.stop, (machinery.R, c.P, c.TAB))
+        impacts = ImpactEvents(module, machinery.n, c.stops, own, c.own.modes.start, (machinery.R, c.P, c.TAB))
         impacts.begin(y, rtol)
     kernels = module.chamber__surroundings, module.chamber__rates, module.chamber__jacobian
-    slopes = _slopes(
-        machinery, kernels, context, (own[PORT_STATE : PORT_STATE + 1], own[held]), len(y), c.n_E, machinery.nq
-    )
+    slopes = _slopes(machinery, kernels, context, (own[c.own.phase], own[c.own.held]), len(y), c.n_E, machinery.nq)
     end, q, path = integrate(*slopes, c.breakpoints, y, _scales(machinery, q_scale), rtol, check, impacts)
     y[:] = end
     steps = len(path.dense)
@@ -128,26 +125,26 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
         module.chamber__inject(dense[at, 0, : machinery.n].copy(), 0, c.P, c.TAB, machinery.R)
     module.port_states__port_states_along(dense, steps, context)
     module.trace__work_along(times, dense, quads, steps, context)
-    return int(path.message != ""), path.times[-1], h, q
+    return int(path.message != ""), path.times[-1], q
 
 
-def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, float, Array]:
+def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, Array]:
     """Do what `Machinery.pitch` does, by a check's method; a loose one of our own scales the quadratures."""
-    _, _, _, q_scale = machinery.own_pitch(y.copy(), 1e-3, h)
-    space, c, module = machinery.coupled_space(), machinery.composition, machinery.together
+    *_, q_scale = machinery.own_pitch(y.copy(), 1e-3, h)
+    coupled, c, module = machinery.coupled, machinery.composition, machinery.together
     machinery.inject(y)
     kernels = module.chambers__surroundings, module.chambers__rates, module.chambers__jacobian
-    held, context = space["spaces"][0][-c.chambers :], machinery.coupled_context
+    held, context = coupled.port_states[-c.chambers :], machinery.coupled_context
     slopes = _slopes(machinery, kernels, context, (held,), len(y), c.n_E_all, machinery.nq + 1)
     end, q, path = integrate(*slopes, machinery.pitch_breakpoints(), y, _scales(machinery, q_scale), rtol, check)
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls * c.chambers, path.jacobians * c.chambers])
-    if steps > len(space["history"][1]):
-        space["history"] = machinery.new_history(steps, len(y), machinery.nq + 1)
-    space["history"][0][: steps + 1], space["history"][1][:steps] = path.times, path.dense
-    space["kept"][0] = steps
-    return int(path.message != ""), path.times[-1], h, q
+    if steps > len(coupled.history[1]):
+        coupled.history = machinery.new_history(steps, len(y), machinery.nq + 1)
+    coupled.history[0][: steps + 1], coupled.history[1][:steps] = path.times, path.dense
+    coupled.kept[0] = steps
+    return int(path.message != ""), path.times[-1], q
 
 
 def _slopes(
@@ -186,9 +183,10 @@ def _slopes(
 
 def _scales(machinery: Machinery, q: Array) -> Array:
     """Return the scale of each quadrature: the largest of its kind, so that an idle path needs no accuracy."""
-    met, first = machinery.composition.first_met, machinery.composition.first_stream
-    streams = np.abs(q[first:]).reshape(-1, machinery.composition.width)
+    c, first = machinery.composition, machinery.composition.first_stream
+    streams = np.abs(q[first:]).reshape(-1, c.width)
     heads = np.full(first, np.max(np.abs(q[:Q_WALLS])))
-    heads[Q_WALLS + 1 : met : 2] = np.abs(q[Q_WALLS + 1 : met : 2])
-    heads[met : met + 2 * len(machinery.composition.offsets)] = streams[:, 0].max()
+    conductances = slice(Q_WALLS + 1, c.all_met.start, 2)
+    heads[conductances] = np.abs(q[conductances])
+    heads[c.all_met] = streams[:, 0].max()
     return np.concatenate([heads, np.tile(streams.max(axis=0), len(streams))])

@@ -42,7 +42,7 @@ LINEARITY_ERROR = 0.1  # share of such a correction that is assumed to be wrong,
 
 
 def finer_lives(request: EstimateRequest) -> FinerSolutions:
-    """Return one or two further lives, finer than the closed cycle's; NOTHING where one stops.
+    """Return one or two further lives, finer than the closed cycle's; `NO_SOLUTIONS` where one stops.
 
     It applies to cycles closed by waveform relaxation. One life suffices unless errors feed back. Then there are
     two: the first is moved to its limit by the tangents that closed the cycle, or, without any and if the two
@@ -120,14 +120,14 @@ def _slow_by_own_tangents(request: EstimateRequest) -> bool:
 
 
 def _next_life(request: EstimateRequest) -> FinerSolutions:
-    """Return the life that follows a closed cycle; NOTHING where it stops.
+    """Return the life that follows a closed cycle; `NO_SOLUTIONS` where it stops.
 
     It takes what the cycle's last turn made of the unknowns: with those that this turn took it would repeat it.
     """
     of, machinery, criteria, cycle = request
     set_unknowns(request.problem, machinery, request.problem.entries.possible(of.image))
-    machinery.composition.P[machinery.composition.widths] = criteria.widths
-    status, _, _, q = machinery.turn(cycle.y.copy(), FINER * cycle.rtol, 1e-3)
+    machinery.set_widths(criteria.widths)
+    status, _, q = machinery.turn(cycle.y.copy(), FINER * cycle.rtol)
     if status != 0:
         return NO_SOLUTIONS
     machinery.swap()
@@ -141,7 +141,7 @@ class _Lives:
     def __init__(self, request: EstimateRequest) -> None:
         self.of, machinery, criteria, cycle = request
         self.machinery, self.rtol, self.y = machinery, FINER * cycle.rtol, cycle.y.copy()
-        machinery.composition.P[machinery.composition.widths] = criteria.widths
+        machinery.set_widths(criteria.widths)
         self.corrections = Corrections(request.problem, machinery, cycle.tangents)
         self.unknowns_in = self.unknowns_out = unknowns(request.problem, machinery)
         self.solutions: list[Solution] = []
@@ -155,7 +155,7 @@ class _Lives:
             self.unknowns_in = self.unknowns_out
             set_unknowns(problem, machinery, self.unknowns_in)
         self.start, self.steps = along(machinery, self.y), int(machinery.kept[1])
-        status, _, _, self.q = machinery.turn(self.y, self.rtol, 1e-3)
+        status, _, self.q = machinery.turn(self.y, self.rtol)
         if status != 0:
             return False
         machinery.swap()

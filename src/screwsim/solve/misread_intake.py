@@ -74,7 +74,7 @@ def misread_intake(problem: Problem, life: Trajectory, met: MetTwice) -> Misread
     steps, T_s = _steps(problem, life), problem.lines.T_s
     if not len(steps):
         return NOTHING
-    into, back = (_sums(life, steps, c.first_stream + row * c.width) for row in (slots.SUCTION_IN, slots.SUCTION_OUT))
+    into, back = (_sums(life, steps, c.stream(row)) for row in (slots.SUCTION_IN, slots.SUCTION_OUT))
     T = life.dense[: len(steps), :2, slots.S_T].mean(axis=1)
     warmer = T / T_s - 1.0
     more = _exchanged(problem, life, steps, np.minimum(into, -back) * warmer, back) * warmer
@@ -87,13 +87,13 @@ def misread_intake(problem: Problem, life: Trajectory, met: MetTwice) -> Misread
         middles = 0.5 * (ends[step] + ends[step + 1]) + shifts_to_neighbours(problem)[column]
         order, T_met = middles.argsort(), np.empty(len(at))
         T_met[order] = life.states_at(middles[order])[:, slots.S_T]
-        sums = _sums(life, steps, slice(c.first_met, c.first_met + 2 * len(c.offsets)))
+        sums = _sums(life, steps, c.all_met)
         T_from = np.where(sums[step, column] < 0.0, T[step], T_met)
         T_port = np.where((into + back)[step] > 0.0, T_s, T[step])
         more = more - np.bincount(step, differ * (T_from / T_port - 1.0), len(steps))
     if not float(np.abs(more).sum()) > some:
         return Misread(0.0, drawn)
-    given = np.minimum(_sums(life, steps, slice(c.first_met, c.first_met + 2 * len(c.offsets))), 0.0).sum(axis=1)
+    given = np.minimum(_sums(life, steps, c.all_met), 0.0).sum(axis=1)
     return Misread(float(more @ _kept(problem, life, steps, -(given + back))), drawn)
 
 
@@ -125,7 +125,7 @@ def misread_return(problem: Problem, life: Trajectory, q: Array) -> float:
     if _not_read(problem):
         return 0.0
     c, widths = problem.composition, np.diff(life.times[: life.steps + 1])
-    column = c.first_stream + c.width * slots.SUCTION_OUT + slots.OF_GAS
+    column = c.stream(slots.SUCTION_OUT)
     backward = np.diff(life.quads[: life.steps, column], prepend=0.0) < 0.0  # all chambers together keep no such sums
     steps = np.flatnonzero(backward) if backward.any() else np.arange(life.steps)
     back, _ = _flows_at(problem, life, steps, RETURN_NODES)
@@ -176,13 +176,13 @@ def _flows_read(problem: Problem, life: Trajectory, steps: Array) -> tuple[Array
 def _flows_at(problem: Problem, life: Trajectory, steps: Array, nodes: Array) -> tuple[Array, Array]:
     """Return the flows [kg/s] back to the line, and to other chambers, at nodes of steps (steps, nodes)."""
     c = problem.composition
-    ports = [i for i, end in enumerate(c.ends[: len(c.plenum_paths)]) if end == SUCTION]
+    ports = [i for i, end in enumerate(c.ends[: len(c.ports)]) if end == SUCTION]
     begun, widths = life.times[steps, None], (life.times[steps + 1] - life.times[steps])[:, None]
     sampled, flows = life.sample((begun + widths * nodes).ravel())
     through = flows[:, ports].sum(axis=1)
     balanced = problem.parts.omega * sampled[:, GAS_RATE] - (flows.sum(axis=1) - through)
     back = np.where(through != 0.0, np.minimum(balanced, 0.0), 0.0)
-    gaps = np.minimum(flows[:, len(c.plenum_paths) :], 0.0).sum(axis=1)
+    gaps = np.minimum(flows[:, len(c.ports) :], 0.0).sum(axis=1)
     return back.reshape(-1, len(nodes)), gaps.reshape(-1, len(nodes))
 
 

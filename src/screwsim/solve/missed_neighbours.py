@@ -95,12 +95,13 @@ def _missed_gas(problem: Problem, life: Trajectory, steps: Array) -> Array:
     widths = (every[parts + 1] - every[parts])[:, None]
     angles = every[parts, None] + widths * NODES
     _, flows = life.sample(angles.ravel())
-    first, found = len(c.plenum_paths), np.zeros(angles.size)
-    for i, (_, offset) in enumerate(c.gap_paths):
+    found = np.zeros(angles.size)
+    for i, (_, offset) in enumerate(c.gaps):
         among = angles.ravel() < geometry.life - offset * geometry.pitch  # beyond, gas comes from the line
-        found += np.where(among, flows[:, first + 2 * i], 0.0) + flows[:, first + 2 * i + 1]
+        ahead, behind = (flows[:, c.flow_through(i, side)] for side in (slots.AHEAD, slots.BEHIND))
+        found += np.where(among, ahead, 0.0) + behind
     flowed = (found.reshape(angles.shape) * widths) @ WEIGHTS / problem.parts.omega
-    sums = np.diff(life.quads[: life.steps, c.first_met : c.first_met + 2 * len(c.offsets)].sum(axis=1), prepend=0.0)
+    sums = np.diff(life.quads[: life.steps, c.all_met].sum(axis=1), prepend=0.0)
     return sums[steps] - np.bincount(np.repeat(np.arange(len(steps)), high - low), flowed, len(steps))
 
 

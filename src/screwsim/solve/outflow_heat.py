@@ -46,7 +46,7 @@ def misread_of_oil(problem: Problem, life: Trajectory) -> OilMisread:
     back is the line's own, too, and they count over all that flows out.
     """
     c = problem.composition
-    first, last = (c.first_stream + c.width * stream for stream in (slots.DISCHARGE_IN, slots.DISCHARGE_OUT + 1))
+    first, last = (c.stream(each) for each in (slots.DISCHARGE_IN, slots.DISCHARGE_OUT + 1))
     sums = np.diff(life.quads[: life.steps, first:last], axis=0, prepend=0.0)
     back, out = sums[:, : c.width], sums[:, c.width :]
     steps, flowed = np.flatnonzero(out[:, slots.OF_OIL] < 0.0), -float(out[:, slots.OF_OIL].sum())
@@ -84,7 +84,7 @@ def misread_of_gas(problem: Problem, life: Trajectory, q: np.ndarray) -> float:
     """
     c, streams = problem.composition, streams_of(problem.composition, q)
     back, out = streams[slots.DISCHARGE_IN : slots.DISCHARGE_OUT + 1, slots.OF_GAS]
-    ports = [i for i, end in enumerate(c.ends[: len(c.plenum_paths)]) if end == DISCHARGE]
+    ports = [i for i, end in enumerate(c.ends[: len(c.ports)]) if end == DISCHARGE]
     if back < RETURNS * -out or len(ports) != 1 or problem.scene.gas.equilibrium:
         return 0.0
     mean = outflow_of(streams)
@@ -108,8 +108,7 @@ def misread_of_gas(problem: Problem, life: Trajectory, q: np.ndarray) -> float:
 def _beyond_the_last(problem: Problem, angles: np.ndarray, flows: np.ndarray) -> np.ndarray:
     """Return the gas [kg/s] that flows out through gaps ahead whose other side is beyond the last chamber."""
     c, geometry, found = problem.composition, problem.parts.geometry, np.zeros(len(angles))
-    ports = len(c.plenum_paths)
-    for i, (_, offset) in enumerate(c.gap_paths):
+    for i, (_, offset) in enumerate(c.gaps):
         beyond = angles > geometry.life - offset * geometry.pitch
-        found += np.where(beyond, np.maximum(-flows[:, ports + 2 * i], 0.0), 0.0)
+        found += np.where(beyond, np.maximum(-flows[:, c.flow_through(i, slots.AHEAD)], 0.0), 0.0)
     return found

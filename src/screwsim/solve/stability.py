@@ -38,7 +38,7 @@ def largest_work_change(problem: Problem, machinery: Machinery, cycle: CycleSolu
     y, worst, work = cycle.y.copy(), 0.0, float(cycle.q[Q_WORK])
     least = evaluate(problem, cycle).least[1]
     for _ in range(TURNS):
-        status, _, _, turn = machinery.turn(y, rtol, 1e-3)
+        status, _, turn = machinery.turn(y, rtol)
         worst = max(worst, abs(float(turn[0] - work)) / max(abs(work), least))
         if status != 0 or worst > LARGEST_WORK_CHANGE:
             break

@@ -196,7 +196,7 @@ class StartUpRun:
         set_speed(composition, problem.parts, mean)
         speed.put(composition.P, at, speed.curve_of(motion.squares / mean**2, motion.slopes / mean**2, pitch))
         y = self.chambers.copy()
-        status, angle, _, q = machinery.pitch(y, problem.criteria.rtol, STEP, END_MARGIN)
+        status, angle, q = machinery.pitch(y, problem.criteria.rtol, STEP, END_MARGIN)
         if status != 0 or not np.isfinite(y).all():
             return f"the chambers could not be integrated beyond {math.degrees(angle):.2f} deg of a pitch"
         machinery.install_coupled()

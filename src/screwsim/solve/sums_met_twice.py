@@ -38,7 +38,7 @@ def sums_met_twice(problem: Problem, life: Trajectory) -> MetTwice:
     many = ends.searchsorted(high - EQUAL) - ends.searchsorted(low + EQUAL) >= MANY
     column, step = np.nonzero(many & (high < ends[-1] + EQUAL) & (low > -EQUAL))
     sums = np.zeros((life.steps + 1, len(shifts)))
-    sums[1:] = life.quads[: life.steps, c.first_met : c.first_met + len(shifts)]
+    sums[1:] = life.quads[: life.steps, c.all_met]
 
     def met(angles: Array) -> Array:
         """Return the sums of neighbours up to angles of their lives."""

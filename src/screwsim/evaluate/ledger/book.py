@@ -122,7 +122,7 @@ class LedgerCycle:
     def paths(self) -> list[str]:
         """Return the names of the effects of all flow paths, in the order of their sums."""
         c = self.composition
-        return [*c.plenum_paths, *[name for name, _ in c.gap_paths]]
+        return [*c.ports, *[name for name, _ in c.gaps]]
 
     def pressure(self, end: str) -> float:
         """Return the pressure [Pa] of a line or plenum."""

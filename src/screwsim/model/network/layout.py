@@ -9,10 +9,9 @@ from collections.abc import Iterable, Sequence
 from functools import lru_cache
 
 from screwsim.model.network.network import Gap, Network, Port, identifier
-from screwsim.model.slots import E_AREAS, OPENING, P_PORT_WIDTH, PORT_STATE
+from screwsim.model.own_cells import AFTER_STOPS, FED, own_cells
+from screwsim.model.slots import E_AREAS, P_PORT_WIDTH, PORT_STATE
 
-FED = ("FED_FIRST", "FED_LAST")  # oil [kg/s] that flows in at the start of a step and at its last stage
-AFTER_STOPS = ("IMPACTS", "STEP_BEGIN", "STEP_END")  # impacts of a turn, and the angles of the attempted step
 WAYS = ("ahead", "behind")  # the two sides of a gap
 
 
@@ -115,7 +114,7 @@ class Layout:
         network, ports = self._network, len(self._network.ports)
         cells = [(number, cell) for number, cell in enumerate(network.cells) if cell]
         opened = [port for port in network.ports if port.opening]
-        after = OPENING + 2 * (ports + len(network.stops))
+        own = own_cells(ports, len(network.stops))
         areas = [*(self.area(each) for each in network.ports), *(self.area(*each) for each in self.sides)]
         neighbours = {
             f"E_{each}": self.lines + (PORT_STATE + 1) * (i - len(self.met)) for i, each in enumerate(self.met)
@@ -129,12 +128,12 @@ class Layout:
             **_counted("HINT_", self.met),
             **{f"R_{cell}": number * PORT_STATE for number, cell in cells},
             **{f"P_WIDTH_{cell}": P_PORT_WIDTH + number for number, cell in cells},
-            **{f"OPENED_{self.label(port)}": OPENING + port.index for port in opened},
-            **{f"HELD_{self.label(port)}": OPENING + ports + port.index for port in opened},
-            **_counted("MODE_", self.stops, OPENING + 2 * ports),
-            **_counted("DUE_", self.stops, OPENING + 2 * ports + len(self.stops)),
-            **_counted("", AFTER_STOPS if network.stops else (), after),
-            **_counted("", FED if network.flash_begins else (), after + len(AFTER_STOPS)),
+            **{f"OPENED_{self.label(port)}": own.opened.start + port.index for port in opened},
+            **{f"HELD_{self.label(port)}": own.held.start + port.index for port in opened},
+            **_counted("MODE_", self.stops, own.modes.start),
+            **_counted("DUE_", self.stops, own.due.start),
+            **_counted("", AFTER_STOPS if network.stops else (), own.after_stops.start),
+            **_counted("", FED if network.flash_begins else (), own.fed.start),
             **_counted("", self.flows),
             **_counted("PATH_", self._labels),
             **_counted("HEAT_", self.heats),
