@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from screwsim.derivatives.collocation import FINE, QUICK
 from screwsim.derivatives.solving import scene_derivatives
 from screwsim.figures import declared
-from screwsim.figures.errors import error_scale, zeros_for_none
+from screwsim.figures.errors import error_in_unit, error_scale, zeros_for_none
 from screwsim.inputs.declare import is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
@@ -35,9 +35,9 @@ LARGEST_ANGLE_STEP = math.radians(0.5)
 # ... [K] that of a temperature, half a percent of which is 1.5 K, and of a difference of two, which may be small ...
 TEMPERATURE_STEP = 0.25
 DIFFERENCE_ACCURACY = 1e-6  # ... accuracy of these cycles, unless the scene's is finer
-NEAR_ZERO = 0.1  # of its error's scale: a figure below is near zero, as the heat of insulated walls
-# of that scale, by the whole number: changes of such a figure below are digits of rounding; of exact derivatives (those
-# of insulated walls reach 4e-8), or as a share of the change of power or flow; and of differences
+NOTHING = 2.0  # of its estimated errors: a figure below is nothing, as the heat of insulated walls
+# of the scale of its error, by the whole number: changes of such a figure below are digits of rounding; of exact
+# derivatives (those of insulated walls reach 4e-8), or as a share of the change of power or flow; and of differences
 ROUNDING, ROUNDING_SHARE, ROUGHNESS = 1e-7, 1e-6, DIFFERENCE_ACCURACY / DIFFERENCE_STEP
 # [SI], by its kind, 1 for others: size that the step of a number that is zero is relative to
 ZERO_SIZES = {"length": 0.02, "area": 2e-4, "volume": 2e-4, "pressure_difference": 2e4, "power": 200.0}
@@ -154,14 +154,15 @@ def _without_rounding(
     slopes: Mapping[str, Mapping[str, float]],
     differences: Container[str],
 ) -> dict[str, dict[str, float]]:
-    """Return derivatives by path with zeros for those of figures near zero that are rounding; `sizes` of the numbers.
+    """Return derivatives by path with zeros for those of figures that are nothing but rounding; `sizes` of the numbers.
 
     `differences` are the paths whose derivatives are differences of cycles.
     """
     figures = result.performance
     known = zeros_for_none(figures)
     scales = {name: error_scale(name, declared(name, figures).scale, known) for name in _differentiable(result, ())}
-    near = [name for name, scale in scales.items() if abs(figures[name]) < NEAR_ZERO * scale]
+    errors = {name: error_in_unit(name, figures, result.error) for name in scales}
+    near = [name for name, error in errors.items() if error is not None and abs(figures[name]) <= NOTHING * error]
     cleaned = {path: dict(by) for path, by in slopes.items()}
     for path, by in cleaned.items():
         change = {
