@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from each_row import each_row
 
-from screwsim.fluid.solubility_laws import COLUMNS, ESTER, Measured, Point, law_of_points, read_points
+from screwsim.fluid.solubility_laws import COLUMNS, ESTER, EXPANDS, Measured, Point, law_of_points, read_points
 from screwsim.inputs.faults import UsageError
 
+T_CRITICAL = {"R290": 369.89, "R134a": 374.21}
 HEAD = ",".join(COLUMNS)
 PERCENT, CELSIUS = (2.0, 5.0, 10.0, 15.0, 20.0, 30.0), (-10.0, 20.0, 50.0, 80.0)
 
@@ -28,6 +29,7 @@ class Interaction(Measured):
 
     def __init__(self, fluid, constants):
         super(Measured, self).__init__(fluid, 260.0, 360.0, 1.0)
+        self.expands_to = EXPANDS * T_CRITICAL[fluid]
         self._constants = constants
 
 
@@ -48,11 +50,11 @@ def test_points_of_flory_and_huggins_law_give_it_back(propane):
 def test_points_of_heils_law_give_its_contents():
     """R134a in a polyol ester by M195, up to 30 % of the solution and 0.8 of the saturation pressure."""
     law = law_of_points("R134a", points_of(ESTER.equilibrium_pressure))
-    assert law.misfit < 0.02
+    assert law.misfit < 0.04  # M195 has the volume of saturated liquid up to 80 degC, M198 to 45
     for T in (280.0, 333.0, 350.0):
         for share in (0.1, 0.3, 0.5):
             p = share * ESTER.p_sat(T)
-            assert law.content(p, T) == pytest.approx(ESTER.content(p, T), rel=0.04)
+            assert law.content(p, T) == pytest.approx(ESTER.content(p, T), rel=0.06)
 
 
 @each_row("T", [265.0, 300.0, 350.0])
@@ -165,6 +167,6 @@ def test_points_that_give_no_law_are_refused_with_their_line(propane):
     assert refused((*points[:9], wrong, *points[10:])).startswith("line 11: has a pressure that the law fitted to all")
     liquid = points[3]._replace(p=1.01 * propane.p_sat(points[3].T))
     assert "line 5: 3.48733 bar is not below 3.4528 bar, at which R290 condenses at" in refused([liquid, *points])
-    hot = points[3]._replace(T=368.0)
+    hot = points[3]._replace(T=460.0)
     told = refused((hot, *points))
-    assert "line 5: 94.85 degC is outside" in told and "(write it in degC, or leave the row out)" in told
+    assert "line 5: 186.85 degC is outside" in told and "(write it in degC, or leave the row out)" in told

@@ -15,6 +15,8 @@ from typing import Any
 
 from screwsim.inputs.declare import KINDS, Kind
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import with_article
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene.numerals import odd_number, odd_number_text
 
 
@@ -88,6 +90,7 @@ _TABLE: dict[str, dict[str, tuple[float, float]]] = {
     "N/m": {"N/m": (1, 1), "mN/m": (1, 1e3), "kN/m": (1e3, 1), "N/mm": (1e3, 1)},
     "W/(m^2 K)": {"W/(m^2 K)": (1, 1), "kW/(m^2 K)": (1e3, 1)},
     "W/K": {"W/K": (1, 1), "kW/K": (1e3, 1)},
+    "kg/mol": {"kg/mol": (1, 1), "g/mol": (1, 1e3), "kg/kmol": (1, 1e3)},
     "1/K": {"1/K": (1, 1), "um/(m K)": (1, 1e6)},
 }
 _SPELLINGS = {"µ": "u", "μ": "u", "℃": "degC", "ºC": "degC", "°": "deg", "²": "^2", "³": "^3"}
@@ -124,13 +127,11 @@ _ACTUAL_FLOW = {"cfm", "acfm"}  # in lower case: ft^3/min at the state of the fl
 _KINEMATIC = {"cst", "mm^2/s", "mm2/s", "mm²/s", "m^2/s", "st"}
 _TABLE_ONLY = {"rad", "rad/s", "N m/rad", "N m s/rad"}  # pint does not distinguish turns, radians and plain numbers
 _CELSIUS = {"degC", "celsius", "Celsius", "C"}  # no temperature is in coulombs
-ZERO_CELSIUS = 273.15
 
 
 def describe(kind: Kind) -> str:
     """Return a kind with its article: 'a length', 'an area'."""
-    name = kind.name.replace("_", " ")
-    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+    return with_article(kind.name.replace("_", " "))
 
 
 @lru_cache(maxsize=512)
