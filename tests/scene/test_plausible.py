@@ -171,6 +171,20 @@ def test_a_volume_that_goes_to_and_fro_from_row_to_row_is_warned_of(tmp_path):
     assert "a smoother table" in warning
 
 
+@pytest.mark.parametrize(("top", "share"), [(420, "95.0%"), (240, "85.4%")])
+def test_a_table_whose_angles_begin_elsewhere_is_warned_of(tmp_path, top, share):
+    """What lies at 360 deg counts as trapped, whatever the chamber does there."""
+
+    def largest_at(top):
+        return np.interp(np.interp(ANGLES, (0.0, top, 720.0), (0.0, 360.0, 720.0)), ANGLES, SMOOTH)
+
+    (warning,) = rough(tmp_path, largest_at(top))
+    told = f"machine.volume.file: the volume of the table is largest at {top} deg, and {share} of that at 360 deg, "
+    assert warning.startswith(told)
+    assert "machine.volume.injection_angle" in warning
+    assert rough(tmp_path, largest_at(370.0)) == rough(tmp_path, largest_at(320.0)) == ()
+
+
 def test_a_table_that_is_scaled_to_another_size_is_warned_of(tmp_path):
     """350 cm³ on a base that states 600 were simulated as 600 without a word; a rounding of 1 % is none."""
     (warning,) = rough(tmp_path, SMOOTH * (350.0 / 600.0))

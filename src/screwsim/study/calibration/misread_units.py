@@ -5,16 +5,19 @@ are compared with those computed before the fit, which a wrong column has not be
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
+
+import numpy as np
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.outputs.us_units import BTU, CFM, HORSEPOWER, PSI, TON
 from screwsim.study.asked.figure_units import UNITS
-from screwsim.study.calibration.fit import Measurement
+from screwsim.study.calibration.fit import Fit, Measurement, Point
 
+Array = np.ndarray
 HOPELESS = 100.0  # chi squared per degree of freedom from which on columns are looked at
 FAR = 10.0  # standard uncertainties by which each number of such a column is off, at least
 NEAR = 0.12  # of a number's distance from the computed one that another unit may leave: hp for kW within 3 %
@@ -71,6 +74,16 @@ def misread_units(numbers: Iterable[tuple[str, Measurement, float]], ambient: fl
     for figure, measured, ours in numbers:
         columns.setdefault(figure, []).append((measured, ours))
     return tuple(filter(None, (_told(figure, pairs, ambient) for figure, pairs in columns.items())))
+
+
+def misread_by_residuals(fit: Fit, points: Sequence[Point], residuals: Sequence[Array]) -> tuple[str, ...]:
+    """Return the same from the residuals of points: computed less measured figures, over their uncertainties."""
+    numbers = (
+        (name, measured, measured.value + off * measured.uncertainty)
+        for point, each in zip(points, residuals, strict=True)
+        for (name, measured), off in zip(point.measured.items(), each.tolist(), strict=True)
+    )
+    return misread_units(numbers, fit.scene.operation.ambient_pressure)
 
 
 def _told(figure: str, pairs: list[tuple[Measurement, float]], ambient: float) -> str:
