@@ -108,7 +108,7 @@ def written(folder, *rows, head=HEAD):
 
 
 def test_points_are_read_as_celsius_bar_and_percent_of_the_solution(tmp_path):
-    (point,) = read_points(written(tmp_path, "60,8.5,20"))
+    (point,) = read_points(written(tmp_path, "60,8.5,20"), "R134a")
     assert point == (2, pytest.approx(333.15), pytest.approx(8.5e5), pytest.approx(0.25))
 
 
@@ -122,14 +122,35 @@ def test_points_are_read_as_celsius_bar_and_percent_of_the_solution(tmp_path):
 )
 def test_cells_that_are_no_point_are_told_with_their_line(rows, words, tmp_path):
     with pytest.raises(UsageError, match=words.replace("(", r"\(")):
-        read_points(written(tmp_path, *rows))
+        read_points(written(tmp_path, *rows), "R134a")
 
 
 def test_a_file_without_the_columns_is_told(tmp_path):
     with pytest.raises(UsageError, match="needs the columns temperature_degC and pressure_bar and refrigerant_percent"):
-        read_points(written(tmp_path, "60,8.5,20", head="T,p,w"))
+        read_points(written(tmp_path, "60,8.5,20", head="T,p,w"), "R134a")
     with pytest.raises(UsageError, match=r"cannot be read: .*name a CSV file with the columns temperature_degC"):
-        read_points(str(tmp_path / "none.csv"))
+        read_points(str(tmp_path / "none.csv"), "R134a")
+
+
+def test_points_of_several_refrigerants_may_be_in_one_file(tmp_path):
+    file = written(tmp_path, "60,8.5,20,R134a", "60,9,10,R290", "60,4,9,n-Propane", head=f"{HEAD},refrigerant")
+    assert [each.line for each in read_points(file, "R290")] == [3, 4]
+    assert [each.line for each in read_points(file, "R134a")] == [2]
+
+
+def test_points_of_another_refrigerant_are_refused(tmp_path):
+    file = written(tmp_path, "60,8.5,20,R134a", head=f"{HEAD},refrigerant")
+    with pytest.raises(UsageError, match=r"has points of R134a, none of R290 \(name a file that has, or"):
+        read_points(file, "R290")
+    file = written(tmp_path, "60,8.5,20,R1344a", head=f"{HEAD},refrigerant")
+    with pytest.raises(UsageError, match=r"line 2: 'R1344a' is no refrigerant that CoolProp has"):
+        read_points(file, "R290")
+
+
+def test_shares_in_place_of_percent_are_refused(tmp_path):
+    with pytest.raises(UsageError, match=r"has no refrigerant_percent above 0.25, as if .* percent .*: 25 for 0.25\)"):
+        read_points(written(tmp_path, "60,1.5,0.02", "60,8.5,0.25"), "R134a")
+    assert len(read_points(written(tmp_path, "60,0.2,0.5", "60,1.5,2"), "R134a")) == 2
 
 
 def refused(points, fluid="R290"):

@@ -71,7 +71,7 @@ def test_what_cannot_be_is_refused_at_its_path_with_a_remedy(override, what):
 
 HARDLY = {
     "oil_supply.temperature=200 K": "200 K is unusual (usual: at least 210 K)",
-    "operation.speed=20000 rpm": "moves the rotors' tips at 167.6 m/s (usual: at most 150 m/s)",
+    "operation.speed=20000 rpm": "moves the rotors' tips at 167.6 m/s (usual with oil: at most 80 m/s)",
     "effects.tip_leakage.gap=1.1 mm": "1.1 mm is unusual (usual: at most 1 mm)",
     "effects.tip_leakage.flow_coefficient=1.2": "1.2 is unusual (usual: at most 1)",
     "gas.isentropic_exponent=1.7": "1.7 is unusual (usual: at most 1.66667)",
@@ -91,6 +91,16 @@ def test_what_hardly_is_so_is_taken_and_warned_of_at_its_path(override, what):
     assert warning.startswith(f"{override.partition('=')[0]}: ")
     assert what in warning
     assert "\n" not in warning
+
+
+@each_row(("oil", "tip_speed", "usual"), [(True, 79, None), (True, 100, 80), (False, 100, None), (False, 160, 150)])
+def test_tips_are_usually_slower_with_oil_than_without(oil, tip_speed, usual):
+    dry = [] if oil else ["oil=null", "oil_supply=null", "effects=null"]
+    speed = ["operation.speed=null", f"operation.tip_speed={tip_speed} m/s"]
+    told = scene_warnings(load(CONFIGS / "paper" / "point.yaml", overrides=[*dry, *speed]))
+    (fast,) = [line for line in told if "tips at" in line] or [""]
+    assert ("usual with oil" in fast) == (oil and usual is not None)
+    assert (f"at most {usual} m/s" in fast) == bool(fast) == (usual is not None)
 
 
 @each_row(

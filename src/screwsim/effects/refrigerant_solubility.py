@@ -107,7 +107,8 @@ class Parameters(InSeparator):
     """Where the oil was in equilibrium with gas, and how fast it comes to equilibrium in the chamber."""
 
     points_file: str | None = file(
-        f"CSV with columns {', '.join(COLUMNS)} (of the solution's mass; absolute pressures): what the oil dissolves"
+        f"CSV with columns {', '.join(COLUMNS)} (of the solution's mass; absolute pressures), and refrigerant (its "
+        "name) if wanted: what the oil dissolves"
     )
     flash_time: float | None = optional(
         "time", "time in which oil in a chamber gives off gas beyond equilibrium (absent: at once, in the port)"
@@ -121,7 +122,7 @@ class Parameters(InSeparator):
 
 def law_of(parameters: Parameters, fluid: str) -> SolubilityLaw:
     """Return the law of what the oil dissolves of a fluid; raise UsageError where the points give none."""
-    return ESTER if parameters.points_file is None else law_of_points(fluid, read_points(parameters.points_file))
+    return ESTER if parameters.points_file is None else law_of_points(fluid, read_points(parameters.points_file, fluid))
 
 
 def flashed(law: SolubilityLaw, p: float, T: float, supply: float, latent: float, c_oil: float) -> float:

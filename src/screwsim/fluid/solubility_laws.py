@@ -12,11 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.fluid import constants, solubility
+from screwsim.fluid.description import describe
 from screwsim.fluid.reference_state import NEAR_CRITICAL, last_saturation, reference_pressure
 from screwsim.fluid.transport import saturated_liquid_viscosity
 from screwsim.fluid.vapour_fugacity import Fugacity, fugacity_table
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import BadSheet, read_sheet, sheet_or_usage_error
+from screwsim.inputs.sheets import BadSheet, Sheet, read_sheet, sheet_or_usage_error
+from screwsim.inputs.textfiles import once_per_file
 from screwsim.numerics.pchip import Pchip
 from screwsim.numerics.roots import brentq
 from screwsim.outputs.customary import ZERO_CELSIUS, in_bar, in_celsius
@@ -31,6 +33,8 @@ EXPANDS = 0.85  # of the critical temperature: from there on dissolved molecules
 REACH = 1.2  # of the critical temperature: highest temperature of points
 T_0 = 300.0  # [K] reference temperature of M198
 COLUMNS = "temperature_degC", "pressure_bar", "refrigerant_percent"
+REFRIGERANT = "refrigerant"  # the column that names each row's refrigerant, where a file has it
+SHARES = 1.0  # highest refrigerant_percent of a file up to which shares are taken to stand there
 FEWEST, SPREAD = 6, 20.0  # points, and [K] between the coldest and the warmest
 COOLED = 30.0  # [K] below the coldest point, to which the law is extrapolated
 POOR = 0.3  # relative distance of a point's pressure from the fitted law from which on it is refused
@@ -218,12 +222,20 @@ def _vapour(law: SolubilityLaw, T: float) -> Fugacity:
 ESTER = Ester(solubility.FLUID, solubility.LOW, HIGHEST, MOST)
 
 
-def read_points(path: str) -> tuple[Point, ...]:
-    """Return the measured points of a CSV file; raise UsageError in one line where it has none."""
+@once_per_file
+def read_points(path: str, fluid: str) -> tuple[Point, ...]:
+    """Return the measured points of a fluid in a CSV file; raise UsageError in one line where it has none.
+
+    Rows of other refrigerants are left out, where the file names them.
+    """
     columns = f"the columns {', '.join(COLUMNS)}"
     found = []
     with sheet_or_usage_error(f"name a CSV file with {columns}"):
-        for line, cells in read_sheet(path).columns(*COLUMNS):
+        sheet = read_sheet(path)
+        others = _lines_of_others(sheet, fluid)
+        for line, cells in sheet.columns(*COLUMNS):
+            if line in others:
+                continue
             try:
                 celsius, bar, percent = map(float, cells)
             except ValueError:
@@ -232,7 +244,26 @@ def read_points(path: str) -> tuple[Point, ...]:
                 what = "has a pressure not above 0, or refrigerant not between 0 and 100 % of the solution's mass"
                 raise BadSheet(f"{what} (leave the row out)", line)
             found.append(Point(line, ZERO_CELSIUS + celsius, 1e5 * bar, percent / (100.0 - percent)))
+    most = max((each.ratio / (1.0 + each.ratio) for each in found), default=1.0)
+    if 100.0 * most <= SHARES:
+        what = f"has no {COLUMNS[-1]} above {100.0 * most:.3g}, as if they were shares"
+        raise UsageError(f"{what} (write percent of the solution's mass: {1e4 * most:.3g} for {100.0 * most:.3g})")
     return tuple(found)
+
+
+def _lines_of_others(sheet: Sheet, fluid: str) -> set[int]:
+    """Return the lines that name another refrigerant; raise BadSheet where all do, or for an unknown one."""
+    if REFRIGERANT not in sheet.names:
+        return set()
+    named = {line: name for line, (name,) in sheet.columns(REFRIGERANT)}
+    for line, name in named.items():
+        if constants.limits(name) is None:
+            raise BadSheet(f"{name!r} is no refrigerant that CoolProp has (write e.g. R134a)", line)
+    others = {line for line, name in named.items() if describe(name).name != describe(fluid).name}
+    if others and len(others) == len(named):
+        has = ", ".join(dict.fromkeys(named.values()))
+        raise BadSheet(f"has points of {has}, none of {fluid} (name a file that has, or remove the effect)")
+    return others
 
 
 @lru_cache(maxsize=8)

@@ -259,12 +259,16 @@ class Size:
 
 @dataclass(frozen=True)
 class Speed:
-    """What moves at `surface_speed`, in words; the highest speed [m/s], the highest usual one, and the reason."""
+    """What moves at `surface_speed`, in words; the highest speed [m/s], the highest usual one, and the reason.
+
+    `with_oil` is the highest usual one of a machine with oil in its chambers, where that is lower.
+    """
 
     what: str
     most: float
     usual: float
     why: str
+    with_oil: float | None = None
 
 
 @dataclass(frozen=True)

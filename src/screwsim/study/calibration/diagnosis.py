@@ -38,6 +38,7 @@ from screwsim.study.calibration.machine import (
     point_shifts,
     unchanged_fit,
 )
+from screwsim.study.calibration.misread_units import HOPELESS, misread_by_residuals
 from screwsim.study.calibration.pair_likelihood import PairLikelihood, additive_likelihood, curves_of, solved_pair
 from screwsim.study.calibration.profile import (
     LinearLikelihood,
@@ -85,6 +86,7 @@ class Diagnosis(Brief):
     solutions: int = 0
     failed: int = 0
     odds: float = 0.0
+    misread: tuple[str, ...] = ()  # lines on columns that look like those of another unit, where the misfit is hopeless
 
     def _about(self) -> About:
         scene, rows = self.fit.scene, []
@@ -220,6 +222,7 @@ def diagnose(
     odds = pairs if len(fit.parameters) > 1 else 0.0
     judged = _judged(linear, unchanged, odds, partial(parallel_map, jobs=jobs, progress=progress))
     ranked = tuple(sorted(judged.hypotheses, key=lambda hypothesis: -hypothesis.probability))
+    hopeless = ranked[0].misfit > HOPELESS * max(ranked[0].freedom, 1)
     return Diagnosis(
         fit,
         "failed" if reasons else "ok",
@@ -234,6 +237,7 @@ def diagnose(
         solutions=solutions + judged.solutions,
         failed=failed + judged.failed,
         odds=odds,
+        misread=misread_by_residuals(fit, solved, [each.residuals for each in known]) if hopeless else (),
     )
 
 
