@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from each_row import each_row
 
+from screwsim.fluid.description import describe
+from screwsim.fluid.reference_state import reference_pressure
 from screwsim.fluid.solubility_laws import COLUMNS, ESTER, EXPANDS, Measured, Point, law_of_points, read_points
 from screwsim.inputs.faults import UsageError
 
@@ -147,16 +149,30 @@ def test_points_of_another_refrigerant_are_refused(tmp_path):
         read_points(file, "R290")
 
 
-def test_shares_in_place_of_percent_are_refused(tmp_path):
-    with pytest.raises(UsageError, match=r"has no refrigerant_percent above 0.25, as if .* percent .*: 25 for 0.25\)"):
-        read_points(written(tmp_path, "60,1.5,0.02", "60,8.5,0.25"), "R134a")
-    assert len(read_points(written(tmp_path, "60,0.2,0.5", "60,1.5,2"), "R134a")) == 2
-
-
 def refused(points, fluid="R290"):
     with pytest.raises(UsageError) as told:
         Measured(fluid, points)
     return str(told.value)
+
+
+def test_shares_in_place_of_percent_are_refused():
+    points = points_of(ESTER.equilibrium_pressure)
+    told = refused([each._replace(ratio=ratio(each.ratio / (1.0 + each.ratio))) for each in points], "R134a")
+    assert "has no refrigerant_percent above 0.3, as if they were shares (write percent" in told
+    assert "of the solution's mass: 30 for 0.3)" in told
+
+
+def test_oils_that_dissolve_less_than_one_percent_may_have_points():
+    """Ammonia in mineral oil, by Raoult's law over three."""
+
+    def pressure(w, T):
+        return x_of(3.0 * w) * reference_pressure("Ammonia", T)
+
+    def x_of(w):
+        return w / describe("Ammonia").molar_mass / (w / describe("Ammonia").molar_mass + 1.0 / 0.59)
+
+    percent = (0.1, 0.2, 0.4, 0.6)
+    assert Measured("Ammonia", points_of(pressure, percent, (0.0, 30.0, 60.0))).misfit < 0.1
 
 
 def test_points_that_give_no_law_are_refused_with_their_line(propane):

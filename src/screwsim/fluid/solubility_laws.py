@@ -34,7 +34,9 @@ REACH = 1.2  # of the critical temperature: highest temperature of points
 T_0 = 300.0  # [K] reference temperature of M198
 COLUMNS = "temperature_degC", "pressure_bar", "refrigerant_percent"
 REFRIGERANT = "refrigerant"  # the column that names each row's refrigerant, where a file has it
-SHARES = 1.0  # highest refrigerant_percent of a file up to which shares are taken to stand there
+# highest refrigerant_percent of a file up to which shares may stand there, and how many times as much Raoult's law has
+# then in the mean: of ammonia mineral oils hold less than 1 %, a few times less than by that law
+SHARES, TOO_LITTLE = 1.0, 10.0
 FEWEST, SPREAD = 6, 20.0  # points, and [K] between the coldest and the warmest
 COOLED = 30.0  # [K] below the coldest point, to which the law is extrapolated
 POOR = 0.3  # relative distance of a point's pressure from the fitted law from which on it is refused
@@ -244,10 +246,6 @@ def read_points(path: str, fluid: str) -> tuple[Point, ...]:
                 what = "has a pressure not above 0, or refrigerant not between 0 and 100 % of the solution's mass"
                 raise BadSheet(f"{what} (leave the row out)", line)
             found.append(Point(line, ZERO_CELSIUS + celsius, 1e5 * bar, percent / (100.0 - percent)))
-    most = max((each.ratio / (1.0 + each.ratio) for each in found), default=1.0)
-    if 100.0 * most <= SHARES:
-        what = f"has no {COLUMNS[-1]} above {100.0 * most:.3g}, as if they were shares"
-        raise UsageError(f"{what} (write percent of the solution's mass: {1e4 * most:.3g} for {100.0 * most:.3g})")
     return tuple(found)
 
 
@@ -298,3 +296,19 @@ def _check_points(fluid: str, points: Sequence[Point]) -> None:
     if len(points) < FEWEST or max(T) - min(T) < SPREAD or len(contents) < FEWEST // 2:
         what = f"needs at least {FEWEST} points, with {FEWEST // 2} contents and {SPREAD:g} K from coldest to warmest"
         raise UsageError(f"{what} (write more of them)")
+    _refuse_shares(fluid, points)
+
+
+def _refuse_shares(fluid: str, points: Sequence[Point]) -> None:
+    """Raise UsageError where all contents are so small that shares must stand in place of percent."""
+    most = 100.0 * max(each.ratio / (1.0 + each.ratio) for each in points)
+    less = [math.log(_raoult(fluid, each.p, each.T) / each.ratio) for each in points]
+    if most <= SHARES and sum(less) > len(less) * math.log(TOO_LITTLE):
+        what = f"has no {COLUMNS[-1]} above {most:.3g}, as if they were shares"
+        raise UsageError(f"{what} (write percent of the solution's mass: {100.0 * most:.3g} for {most:.3g})")
+
+
+def _raoult(fluid: str, p: float, T: float) -> float:
+    """Return the content [kg/kg] by Raoult's law of an oil as heavy as M195's, at p [Pa] below saturation and T [K]."""
+    x = p / reference_pressure(fluid, T)
+    return x / (1.0 - x) * describe(fluid).molar_mass / solubility.M_OIL
