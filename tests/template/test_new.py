@@ -448,6 +448,10 @@ def test_the_first_lines_say_what_lambda_and_eta_rest_on():
         return " ".join(text.partition("title:")[0].replace("#", "").split())
 
     assert "over five refrigerants including this one" in head("refrigeration", "Propane")
+    blend = head("refrigeration", "R407C", "-40/45 degC")
+    assert "R407C as its blend in equilibrium" in blend
+    assert "Its condensing temperature is that of the dew point." in blend
+    assert "over five refrigerants including this one" in blend
     for told in (head("refrigeration", "Ammonia", "-10/35 degC"), head("booster")):
         assert "rest on the laws and on that fit" in told
         assert "no measured or rated" in told

@@ -43,7 +43,7 @@ STAND_IN, COLDEST_STAND_IN = "R134a", 200.0  # [K] from which its transport prop
 CURVES = ("r134a", "propane", "r290", "n-propane", "r1234yf", "r1234ze(e)", "r1234zee", "r407c")
 EQUILIBRIUM = (  # of a fluid that is replaced by its blend
     "# {0} as its blend in equilibrium: what the discharge end keeps condenses as it expands to suction pressure,\n"
-    "# which the mixture described as if pure cannot follow.\n"
+    "# which the mixture described as if pure cannot follow. Its condensing temperature is that of the dew point.\n"
 )
 OILS_FOR = {
     **dict.fromkeys(COPPER_CORROSIVES, "mineral_68"),
@@ -171,7 +171,7 @@ def refused_port(what: str) -> str:
 
 def _evidence_comments(fluid: str) -> str:
     """Return the comment lines on the evidence for λ and η_s of the machine."""
-    if fluid.lower() in CURVES:
+    if fluid.lower().removesuffix(ENDING) in CURVES:
         return (
             "Those curves are a mean over five refrigerants including this one;\n"
             "# on R134a at 0/40 degC such machines of 100 to 3000 m^3/h lie within 4 points of their lambda and 6 of "
