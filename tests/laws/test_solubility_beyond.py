@@ -50,7 +50,7 @@ def test_flashing_gas_takes_the_heat_of_solution_of_van_t_hoff(points):
     from CoolProp.CoolProp import PropsSI
 
     scene = make(on_carbon_dioxide(SOLUBLE, points))
-    gas, law = build_parts(scene).gas, law_of_points("CO2", read_points(points))
+    gas, law = build_parts(scene).gas, law_of_points("CO2", read_points(points, "CO2"))
     T_separator, T, p_d = 340.0, 325.0, 6e6
     held = law.content(p_d, T_separator)
 
@@ -68,7 +68,7 @@ def test_flashing_gas_takes_the_heat_of_solution_of_van_t_hoff(points):
 
 def test_the_heat_of_flash_goes_through_the_critical_temperature_without_a_jump(points):
     scene = make(on_carbon_dioxide(SOLUBLE, points))
-    gas, law = build_parts(scene).gas, law_of_points("CO2", read_points(points))
+    gas, law = build_parts(scene).gas, law_of_points("CO2", read_points(points, "CO2"))
     heats = [heat_of_flash(law, gas, 330.0, T, 5e6) for T in np.arange(300.0, 308.0, 0.5)]
     assert np.abs(np.diff(np.log(heats))).max() < 0.03
     assert all(math.isfinite(each) for each in heats)

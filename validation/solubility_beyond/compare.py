@@ -72,6 +72,6 @@ def picture(points: Sequence[Point]) -> Panel:
 
 def compare(here: Path) -> Comparison:
     """Return the comparison."""
-    points, known = read_points(str(here / "carbon_dioxide.csv")), limits(FLUID)
+    points, known = read_points(str(here / "carbon_dioxide.csv"), FLUID), limits(FLUID)
     assert known is not None
     return Comparison(TITLE, CITATION, ABOUT, rows(points, known.T_critical), [picture(points)])
