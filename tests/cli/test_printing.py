@@ -81,6 +81,13 @@ def test_the_essentials_of_a_heat_pump_have_both_coefficients(capsys):
     assert "electrical heating COP" in shown and "\nheating COP" not in shown
 
 
+def test_the_essentials_name_every_change_of_the_command_line(capsys):
+    changed = ["with gas.fluid=R410A", *(f"with operation.{side}_temperature=35 degC" for side in ("a", "b", "c"))]
+    print_short("a title", Result("ok"), changed)
+    shown = " ".join(capsys.readouterr().out.split())
+    assert f"a title {', '.join(changed)} status: ok" in shown
+
+
 FEW = Figures(shaft_power=1e3, displacement=2112e-6, cop=None)
 
 

@@ -7,7 +7,7 @@ from screwsim.figures.engineering import engineering, shown_name
 from screwsim.outputs import Result
 from screwsim.outputs.customary import small_number_text, with_printed_units
 from screwsim.printing import impossible_figures
-from screwsim.printing.tables import print_table, print_wrapped, wrapped
+from screwsim.printing.tables import print_table, print_text, print_wrapped, wrapped
 from screwsim.screen import printable, say
 
 MOST_FIGURES = 10  # most figures
@@ -31,12 +31,12 @@ REPLACED_FIGURES = {  # the first is replaced by the second, if that is present
 
 
 def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None:
-    """Print title, status, the first warning, ten figures with their numerical errors, if any, and the balances."""
+    """Print title, all changes by the command line, status, the first warning, ten figures with their numerical errors, if any, and the balances."""
     first = ": ".join(filter(None, (with_printed_units(title), impossible_figures(result))))
     if first:
         say(_cut_to_lines(printable(first), 1))
     if changed:
-        say(_cut_to_lines(printable(", ".join(changed)), 1))
+        print_text(", ".join(changed))
     told = f"; {result.message}" if result.message else ""
     say(_cut_to_lines(printable(f"status: {result.status}{told}"), MOST_LINES))
     if result.warnings:
