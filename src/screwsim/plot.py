@@ -100,7 +100,7 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
     if not drawn:
         raise UsageError(f"{found.path}: has no curve of {name} (fewer than two cases have a value)")
     axes = _axes(ax)
-    sweeps.draw_curves(axes, drawn, optima="efficiency" in name)
+    sweeps.draw_curves(axes, drawn, optima="efficiency" in name and family.chosen)
     label = shown_axis(family.x_axis).label
     sweeps.label_axes(axes, label, shown_figure(found, name).label, [curve.x for curve in drawn])
     if family.by is not None:
