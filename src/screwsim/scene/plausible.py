@@ -49,6 +49,9 @@ RESCALED_DEVIATION = 0.01  # relative deviation allowed between a table's larges
 ROUGH_SLOPE = 0.25
 LEAST_COMPRESSIBILITY = 0.8  # of a line's gas, below which it is a quarter and more denser than an ideal gas
 USUAL_RATIO = 30.0  # usual pressure ratio in one machine, higher over lower, at the most
+# kg of oil per kg of gas with which rotors still run on each other, without timing gears ("oil-reduced"): L. Sjöholm,
+# Different operational modes for refrigeration twin-screw compressors, Purdue 1986, paper 518
+LEAST_OIL_RATIO = 0.01
 PLAIN_SECTIONS = ("gas", "oil", "operation", "oil_supply", "machine")
 
 
@@ -221,8 +224,13 @@ def virial_compressibility(limits: constants.Limits, p: float, T: float) -> floa
 
 
 def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield a warning where the oil is so cold that a real gas condenses on it at the higher pressure."""
+    """Yield warnings where there is too little oil for rotors, or where a real gas condenses on oil that is cold."""
     supply = scene.oil_supply
+    ratio = None if supply is None or not isinstance(scene.machine, TwinScrew) else supply.ratio
+    if ratio is not None and ratio < LEAST_OIL_RATIO:
+        what = f"{ratio:.4g} kg of oil per kg of gas hardly lubricate rotors that drive each other"
+        why = f"usual: at least {LEAST_OIL_RATIO:g}; lubrication is not modelled"
+        yield "oil_supply.ratio", f"{what} ({why}; leave oil_supply out of a machine with timing gears)"
     if supply is None or supply.temperature is None or not condenses(scene.gas) or not oil_in_chambers(scene.effects):
         return
     at, line = lines(scene), "suction" if scene.machine.expands else "discharge"
