@@ -12,7 +12,7 @@ from screwsim.printing.tables import print_scene_title, print_table, print_text,
 from screwsim.results.write import save
 from screwsim.scene import Scene
 from screwsim.screen import say
-from screwsim.study.asked.inputs import shown_range, shown_value, unit_of_change, usual_efficiency
+from screwsim.study.asked.inputs import WITHOUT_ZERO, shown_range, shown_value, unit_of_change, usual_efficiency
 from screwsim.study.asked.varied import Varied, leaf_of
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.uncertainty.slopes import Sensitivities
@@ -21,7 +21,6 @@ from screwsim.study.uncertainty.sobol import CONFIDENCE, LARGEST_NOISE_SHARE, Fi
 USUAL_FIGURES = ("gas_mass_flow", "shaft_power")  # beside the efficiency, of a machine that is no air package
 MOST_NUMBERS = 15  # most numbers in the table, in order of importance
 LEAST_SENSITIVITY = 5e-5  # per cent per per cent, below which a figure is independent of a number
-WITHOUT_ZERO = "temperature", "angle"  # quantities whose zero is a convention, so that a percentage of them says nothing
 ROUND_CHANGES = (1.0, 2.0, 5.0)  # of a power of ten: changes of a number in sentences
 
 
