@@ -291,7 +291,7 @@ def test_one_typing_error_among_few_numbers_is_named(tmp_path, capsys):
     rows = [f"e{n},{500 * (n + 1)},{3.0 + n + 1.0 * (n == 2)},0.1\n" for n in range(6)]
     print_calibration(calibrate(read_fit(write_fit(tmp_path, points=head + "".join(rows))), jobs=1, simulate=plane))
     out = " ".join(capsys.readouterr().out.split())
-    assert "of chi squared comes from 1 of 6 numbers (e2: shaft power +" in out and "σ): check it;" in out
+    assert "of chi squared comes from 1 of 6 numbers (e2: shaft power -" in out and "σ): check it;" in out
 
 
 def test_a_fit_says_by_how_much_it_changed_the_scene(fit):
