@@ -13,6 +13,8 @@ from screwsim.printing.short import print_short
 from screwsim.printing.stages import print_stages
 from screwsim.printing.tables import column_heads, plain_table
 from screwsim.report.ledger import waterfall_bars
+from screwsim.scene import load
+from screwsim.scene.plausible import idle_figures
 from screwsim.study.stages import ChainResult
 
 
@@ -200,3 +202,21 @@ def test_one_of_a_count_is_said_as_one():
 )
 def test_columns_of_paths_have_different_heads(paths, heads):
     assert column_heads(paths) == heads
+
+
+def test_the_cop_of_catalogues_comes_first_and_that_of_the_shaft_is_called_so(capsys):
+    both = Figures(cop=4.37, heating_cop=5.46, electrical_cop=4.03, electrical_heating_cop=5.03)
+    lines = printed(Result("ok", performance=both), capsys)
+    names = [line.rsplit(maxsplit=1)[0].strip() for line in lines if "COP" in line and ":" not in line]
+    assert names == ["electrical COP", "COP, shaft power", "electrical heating COP", "heating COP, shaft power"]
+    assert any(line.startswith("heating COP, shaft power: the capacity has heat that is not in") for line in lines)
+    shaft = "\n".join(printed(Result("ok", performance=Figures(cop=4.37, heating_cop=5.37)), capsys))
+    assert "\nCOP " in shaft and "shaft power" not in shaft
+
+
+def test_the_duty_of_a_cooler_that_a_scene_lacks_is_left_out(capsys):
+    duty = Result("ok", performance=Figures(FEW, oil_cooler_duty=0.0))
+    for override, shown in (("null", False), ("{discharge_temperature: 60 degC}", True)):
+        scene = load("configs/r134a/separator.yaml", [f"effects.separator.cooler={override}"])
+        print_result("a title", duty, idle=idle_figures(scene))
+        assert ("oil cooler duty" in capsys.readouterr().out) == shown

@@ -78,6 +78,7 @@ def new(
             from screwsim.study.sizing import with_steady_port
 
             text = with_steady_port(text)
+        _print_warnings(text, err=output is None)
     if output is None:
         say(text.rstrip("\n"))
         return
@@ -85,6 +86,16 @@ def new(
 
     _check_free(output)  # again: a file that has appeared meanwhile is kept
     say(write_text(output, text))
+
+
+def _print_warnings(text: str, err: bool) -> None:
+    """Print what is unusual in a new scene, such as the pressure ratio of its condition."""
+    from screwsim.printing.tables import print_text
+    from screwsim.scene import loads
+    from screwsim.scene.plausible import scene_warnings
+
+    for warning in scene_warnings(loads(text)):
+        print_text(f"warning: {warning}", err=err)
 
 
 def _check_free(output: Path) -> None:

@@ -264,6 +264,12 @@ def left_out_lines(scene: Scene) -> list[str]:
     return [line for line in (leaks_in_words(scene), left_out_in_words(scene)) if line]
 
 
+def idle_figures(scene: Scene) -> tuple[str, ...]:
+    """Return the figures of parts that a scene does not have: the duty of an oil cooler that its separator lacks."""
+    coolers = [active.parameters.cooler for active in scene.effects.values() if hasattr(active.parameters, "cooler")]
+    return () if any(cooler is not None for cooler in coolers) else ("oil_cooler_duty",)
+
+
 def leaks_in_words(scene: Scene) -> str:
     """Return which of a machine's leaks are simulated; empty where all of them are."""
     leaks = _usual_effects(scene).get(LEAK, [])
