@@ -220,3 +220,18 @@ def test_the_duty_of_a_cooler_that_a_scene_lacks_is_left_out(capsys):
         scene = load("configs/r134a/separator.yaml", [f"effects.separator.cooler={override}"])
         print_result("a title", duty, idle=idle_figures(scene))
         assert ("oil cooler duty" in capsys.readouterr().out) == shown
+
+
+def test_effects_without_which_there_is_no_solution_are_told_in_one_line(capsys):
+    no = {"message": "7:3: needs what is left out", **dict.fromkeys(KNOCK_OUT)}
+    there = dict.fromkeys(KNOCK_OUT, 1.0)
+    costs = (
+        {**no, "effect": "suction_port", "status": "failed"},
+        {**no, "effect": "droplets", "status": "needed"},
+        {**no, "effect": "separator", "status": "needed"},
+        {**there, "effect": "motor", "status": "ok", "message": "a doubt"},
+    )
+    out = printed(Result("ok", performance=Figures(shaft_power=1e3), knock_out=costs), capsys)
+    told = "no solution without suction_port (failed); droplets, separator (needed): run with --without NAME says why"
+    assert told in " ".join(" ".join(out).split()) and "without motor: a doubt" in out
+    assert "needs what is left out" not in "\n".join(out)

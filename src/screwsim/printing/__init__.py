@@ -3,7 +3,7 @@
 import json
 import math
 import sys
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, shown_name
 from screwsim.outputs import Result, sorted_entries, words_of_effects
 from screwsim.outputs.customary import engineering_temperature, scale, small_number_text, with_printed_units
+from screwsim.outputs.display import grouped
 from screwsim.printing.tables import WIDTH, absent_figures, print_table, print_text, print_wrapped
 from screwsim.screen import json_safe, printable, say
 
@@ -193,6 +194,17 @@ def _print_knock_out(costs: Iterable[Mapping[str, Any]]) -> None:
     print_table(heads, rows, left=1)
 
 
+def _knock_out_remarks(costs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield one line on the effects without which there is no solution, and one on each other that leaves a doubt."""
+    unsolved = grouped((cost["status"], cost["effect"]) for cost in costs if cost["shaft_power"] is None)
+    if unsolved:
+        told = "; ".join(f"{', '.join(names)} ({status.replace('_', ' ')})" for status, names in unsolved.items())
+        yield f"no solution without {told}: run with --without NAME says why"
+    for cost in costs:
+        if cost["message"] and cost["shaft_power"] is not None:
+            yield f"without {cost['effect']}: {cost['message']}"
+
+
 def _remarks(result: Result) -> Iterable[str]:
     """Yield the lines below the figures, one subject each."""
     for reason, names in absent_figures(result.performance, result.notes).items():
@@ -200,9 +212,7 @@ def _remarks(result: Result) -> Iterable[str]:
     cooling, heating = (result.performance.get(name) for name in COPS)
     if cooling and heating and heating > cooling + 1.0 + MOTOR_HEAT:
         yield "heating COP, shaft power: the capacity has heat that is not in the shaft power, such as the motor's loss"
-    for cost in result.knock_out:
-        if cost["message"]:
-            yield f"without {cost['effect']}: {cost['message']}"
+    yield from _knock_out_remarks(result.knock_out)
     if result.balance:
         balance = result.balance
         parts = [f"{name.replace('_', ' ')} {balance[name]:.1e}" for name in ("mass", "energy") if name in balance]
