@@ -9,10 +9,9 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any, TypeVar
 
-import typer
-
 from screwsim.cli.declare import CHANGES, argument, option, switch
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import counted
 from screwsim.screen import say
 
 if TYPE_CHECKING:
@@ -232,10 +231,9 @@ def report_ignored_sweep(scene: Swept, whose: str, remedy: str) -> None:
     """Report on stderr that a command ignores the sweep of a scene, if there is one."""
     from screwsim.scene import case_count
 
-    count = case_count(scene)
     if scene.sweep:
-        cases = f"{count} case{'s' if count != 1 else ''}"
-        typer.echo(f"{whose} sweep of {cases} is ignored, and the scene's own point is used ({remedy})", err=True)
+        cases = counted(case_count(scene), "case")
+        say(f"{whose} sweep of {cases} is ignored, and the scene's own point is used ({remedy})", err=True)
 
 
 def print_error(text: str, code: int) -> int:

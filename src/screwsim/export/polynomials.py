@@ -15,6 +15,7 @@ from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.results.read import STAGES
+from screwsim.results.schema import quantities_along
 from screwsim.scene import Scene
 from screwsim.scene.grid import joints_of
 from screwsim.scene.operation import QUALITY, SUBCOOLING, SUPERHEAT
@@ -151,8 +152,7 @@ def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     refuse_words(results, results.axis_list)
     every = performance_maps(results, figures)
     maps = tuple(one for one in every if not one.message)
-    varied = (one for axis in results.axis_list for one in axis.joined or (axis,))
-    axes = {one.path: one.units for one in varied if one.path in maps[0].values}
+    axes = {one.path: one.units for one in quantities_along(results.axis_list) if one.path in maps[0].values}
     units = {name: results.figure(name).units for name in maps[0].fits}
     alone = results.stages.get(STAGES[0], results)  # of two stages the first
     fluid = YAML(typ="safe", pure=True).load(alone.scene_yaml)["gas"]["fluid"]

@@ -153,7 +153,7 @@ def _field(
 ) -> Any:
     wrong = [name for name in limits if name not in LIMITS]
     if wrong:
-        known = ", ".join((*Limits.__annotations__,))
+        known = ", ".join(Limits.__annotations__)
         raise TypeError(f"{', '.join(wrong)}: no such keyword of a declared field; known: {known}")
     stated = {name: value for name, value in limits.items() if value is not None}
     leaf = Leaf(kind, doc, default, stated, hardly, remedy, otherwise, auto)

@@ -12,7 +12,7 @@ PACKAGE, CONFIGS = Path(__file__).resolve().parents[1], "configs"
 MOST_YAML = 4_000_000  # [byte] largest scene, fit or file of stages: some tens of thousands of lines
 MOST_TABLE = 16_000_000  # [byte] largest table
 _MEGA = 1_000_000
-_HDF5 = b"\x89HDF"
+HDF5 = b"\x89HDF"  # first bytes of a file of results
 
 
 class Unreadable(Exception):
@@ -79,7 +79,7 @@ def read_text(path: str | os.PathLike[str], most: int = MOST_TABLE) -> str:
     except UnicodeDecodeError as error:
         before = content[: error.start].decode("utf-8", "replace")
         line, column = before.count("\n") + 1, len(before.rpartition("\n")[2]) + 1
-        raise Unreadable("it is not UTF-8 text", line, column, content.startswith(_HDF5)) from None
+        raise Unreadable("it is not UTF-8 text", line, column, content.startswith(HDF5)) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 

@@ -11,6 +11,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import difference_unit, reading_unit, shown_name
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs.customary import digits
 from screwsim.outputs.display import grouped, picked
 from screwsim.printing import write_json
@@ -304,7 +305,7 @@ def _warnings(found: Calibration) -> Iterator[str]:
     yield from (f"warning: {text}" for text in not_included(found.left_out))
     for count, text in kinds_of(found.warnings.values()):
         first = next(name for name, texts in found.warnings.items() if text in texts)
-        others = f" and {count - 1} other point{'s' * (count > 2)}" if count > 1 else ""
+        others = f" and {counted(count - 1, 'other point')}" if count > 1 else ""
         yield f"warning at {first}{others}: {text}"
     if known is None:
         return

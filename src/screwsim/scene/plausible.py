@@ -26,7 +26,7 @@ from screwsim.fluid.oils import OILS
 from screwsim.fluid.settings import GasSettings
 from screwsim.inputs.declare import KINDS, UNBOUNDED, VOLUME, is_derived
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.suggestions import joined_names
+from screwsim.inputs.suggestions import counted, joined_names
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.rotors.settings import Profile, unused_parameters
 from screwsim.machine.settings import TwinScrew, VolumeLaw
@@ -288,7 +288,7 @@ def left_out_in_words(scene: Scene) -> str:
         return ""
     usual = list(_usual(scene))
     among = f", among them {joined_names(usual)}, which typical scenes name" if usual else ""
-    many = f"{len(left)} effects" if len(left) > 1 else "1 effect"
+    many = counted(len(left), "effect")
     return f"not simulated: {many} of {machine_in_words(scene)}{among} (screwsim explain says what each is)"
 
 

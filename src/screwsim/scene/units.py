@@ -15,6 +15,8 @@ from typing import Any
 
 from screwsim.inputs.declare import KINDS, Kind
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import with_article
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene.numerals import odd_number, odd_number_text
 
 
@@ -123,13 +125,11 @@ _STANDARD_FLOW = re.compile(r"(mm)?sc[fm][dhms]|[ns](m\^?[3³]|l)/(s|sec|min|h|h
 _KINEMATIC = {"cst", "mm^2/s", "mm2/s", "mm²/s", "m^2/s", "st"}
 _TABLE_ONLY = {"rad", "rad/s", "N m/rad", "N m s/rad"}  # pint does not distinguish turns, radians and plain numbers
 _CELSIUS = {"degC", "celsius", "Celsius", "C"}  # no temperature is in coulombs
-ZERO_CELSIUS = 273.15
 
 
 def describe(kind: Kind) -> str:
     """Return a kind with its article: 'a length', 'an area'."""
-    name = kind.name.replace("_", " ")
-    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+    return with_article(kind.name.replace("_", " "))
 
 
 @lru_cache(maxsize=512)

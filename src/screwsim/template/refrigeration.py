@@ -9,9 +9,8 @@ from screwsim.fluid.oils import OILS
 from screwsim.fluid.transport import transport
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.slide import fitting_slide
-from screwsim.outputs.customary import RPM, in_celsius
+from screwsim.outputs.customary import RPM, ZERO_CELSIUS, in_celsius
 from screwsim.scene import loads
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.duty import COPPER_CORROSIVES, EFFICIENCIES, Duty, conditions, duty_of, motor_in_gas
 from screwsim.template.request import SceneRequest

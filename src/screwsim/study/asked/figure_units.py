@@ -53,7 +53,7 @@ def units_of(figure: str) -> Mapping[str, float]:
     return UNITS.get(si, {si: 1.0})
 
 
-def bare_percent(figure: str, number: str, kind: str = "figure") -> str:
+def bare_percent(figure: str, number: str, kind: str) -> str:
     """Return that an efficiency written as a number without a unit is meant in %; empty for any other figure.
 
     `kind`: figure or uncertainty of one.

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.inputs.faults import Interrupted
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene
 from screwsim.study.asked.inputs import shown_value
@@ -132,7 +133,7 @@ def cost_in_words(fit: Fit) -> str:
     points = len(fit.fitted)
     jacobian = points * (2 if fit.slopes == EXACT else 2 * len(fit.parameters) + 1)
     least = fit.starts * jacobian
-    many = f"{fit.starts} start{'s' * (fit.starts > 1)}"
+    many = counted(fit.starts, "start")
     told = f"{many}, {points} points, {len(fit.parameters)} parameters: some {least} to {3 * least} solutions"
     fewer = "fewer `starts:` in the fit take less time, but may miss the best fit"
     return f"{told} ({fewer})" if fit.starts > 1 else told

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs.display import grouped
 from screwsim.results.warning_kinds import kind_of
 
@@ -85,4 +86,4 @@ def warning_lines(points: Sequence[tuple[str, Sequence[str]]], among: int = 0) -
         elif all(other == text for _, other in others) and len(others) + 1 == among:
             yield text
         else:
-            yield f"{where}: {text} (the same at {len(others)} more point{'s' if len(others) > 1 else ''})"
+            yield f"{where}: {text} (the same at {counted(len(others), 'more point')})"

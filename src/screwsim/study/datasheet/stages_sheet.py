@@ -14,13 +14,13 @@ import numpy as np
 from screwsim.figures import rotor_speed
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs import Result
-from screwsim.outputs.customary import RPM, with_printed_units
+from screwsim.outputs.customary import HOUR, MINUTE, RPM, with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet, tables
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, TITLE, lives_table
 from screwsim.study.datasheet.bounds import motor_of
-from screwsim.study.datasheet.columns import BAR, HOUR, KW, NONE, PERCENT, Column, decimals_of, in_units
+from screwsim.study.datasheet.columns import BAR, KW, NONE, PERCENT, Column, decimals_of, in_units
 from screwsim.study.datasheet.refrigeration_sheet import own_point
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.stages_rating import ChainRating, refrigerates
@@ -43,7 +43,6 @@ DOCUMENT_FIGURES = (
 )  # fmt: skip
 INTERMEDIATE_COLUMN = Column(INTERMEDIATE, "between bar", BAR, 3)  # its title is its head
 PEAK_FIGURES = (*DISCHARGES, "first_shaft_power", "second_shaft_power")
-MINUTE = 6e4  # from m³/s to L/min
 EACH_STAGE = (  # figures of a stage, a row each
     Column("displacement_flow", "swept volume [m³/h]", HOUR, 1),
     Column("suction_pressure", "suction pressure [bar]", BAR, 3),
@@ -57,7 +56,7 @@ EACH_STAGE = (  # figures of a stage, a row each
     Column("isentropic_efficiency", "isentropic efficiency [%]", PERCENT, 1),
     Column("discharge_temperature", "discharge temperature [°C]", 1.0, 1, celsius=True),
     Column("separator_temperature", "separator temperature [°C]", 1.0, 1, celsius=True),
-    Column("oil_flow_volume", "oil [L/min]", MINUTE, 1),
+    Column("oil_flow_volume", "oil [L/min]", 1e3 * MINUTE, 1),
     Column("oil_supply_temperature", "oil temperature [°C]", 1.0, 1, celsius=True),
     Column(DUTY, "oil cooler duty [kW]", KW, 2),
 )
