@@ -145,7 +145,7 @@ def _drawn(draw: Callable[[Any, Trace], None], result: CycleLike, ax: Any, line:
     before = len(axes.get_lines())
     draw(axes, trace)
     if line is not None:
-        axes.get_lines()[before].set(**{"label": _HIDDEN + _name(result)} | line)
+        axes.get_lines()[before].set(**{"label": _HIDDEN + _name(result), **line})
         _name_cycles(axes, asked=not str(line.get("label") or "_").startswith("_"))
     return axes
 

@@ -41,7 +41,8 @@ def test_of_temperatures_the_change_by_a_kelvin_is_shown_as_their_zero_is_a_conv
     asked = ("--local", "operation.suction.temperature", "operation.speed", "--figure", "gas_mass_flow")
     document = json.loads(command("sensitivity", "oiled.yaml", *asked, "--json").out)
     by, flow = document["derivatives"]["gas_mass_flow"], document["performance"]["gas_mass_flow"]
-    shown = {line.split()[0]: line.split() for line in command("sensitivity", "oiled.yaml", *asked).out.splitlines() if line}
+    lines = map(str.split, command("sensitivity", "oiled.yaml", *asked).out.splitlines())
+    shown = {line[0]: line for line in lines if line}
     *_, kelvin = shown["operation.suction.temperature"]
     *_, percent = shown["operation.speed"]
     assert shown["operation.suction.temperature"][-3:-1] == ["1", "K"]

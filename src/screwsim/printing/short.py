@@ -32,7 +32,10 @@ REPLACED_FIGURES = {  # the first is replaced by the second, if that is present
 
 
 def print_short(title: str, result: Result, changed: Sequence[str] = ()) -> None:
-    """Print title, all changes by the command line, status, the first warning, ten figures with their numerical errors, if any, and the balances."""
+    """Print title, all changes by the command line, status, the first warning, ten figures, and the balances.
+
+    The figures have their numerical errors, if there are any.
+    """
     first = ": ".join(filter(None, (with_printed_units(title), impossible_figures(result))))
     if first:
         say(_cut_to_lines(printable(first), 1))
