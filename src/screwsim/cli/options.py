@@ -27,6 +27,8 @@ RESULTS = (".h5", ".hdf5", ".hdf", ".nc", ".nc4")  # HDF5, and netCDF-4, which i
 PAGES = (".html", ".htm")
 FILES = {*RESULTS, *PAGES, ".csv", ".json", ".yaml", ".yml", ".png", ".pdf", ".svg", ".txt", ".md", ".xlsx", ".dxf"}
 
+_done = ""  # what the interrupted command had done
+
 
 SCENE_FILE = argument("SCENE", "The scene, a YAML file.")
 RESULTS_FILE = argument("OUT.h5", "Results of run or sweep.")
@@ -82,9 +84,20 @@ def progress_bar(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
     return for_terminal(title, names)
 
 
+def tell_with_interruption(done: str) -> None:
+    """State what the command has done, for the one line that ends it where it is interrupted."""
+    global _done
+    _done = done
+
+
+def told_with_interruption() -> str:
+    """Return what the command has done; empty where it stated nothing."""
+    return _done
+
+
 @contextlib.contextmanager
 def counted_progress(title: str, what: str) -> Iterator[Progress]:
-    """Give a progress display; after Ctrl-C, say on stderr how much was done, in a word for the points (`machines`)."""
+    """Give a progress display; the line after Ctrl-C has how many were done, in a word for the points (`machines`)."""
     from screwsim.study.pool.progress import CountingProgress
 
     shown = progress_bar(title)
@@ -95,7 +108,7 @@ def counted_progress(title: str, what: str) -> Iterator[Progress]:
         done, there_are = counted.counts
         if done:
             kept = "none is kept, and the same command begins anew"
-            print_error(f"{title}: {done} of {there_are} {what} were done; {kept}", INTERRUPTED)
+            tell_with_interruption(f"{title}: {done} of {there_are} {what} were done; {kept}")
         raise
 
 

@@ -279,7 +279,7 @@ def calibrate(
         options.print_files(files, as_json)
         options.tell_left(folder, files, f"{PAIRS}.*", PREDICTED)
     if found.status == "interrupted":
-        say(f"calibrate: {found.message}", err=True)
+        options.tell_with_interruption(f"calibrate: {found.message}")
         return options.INTERRUPTED
     statuses = [found.status, *([] if wide is None else [wide.status])]
     if wide is not None and wide.predictions is not None:

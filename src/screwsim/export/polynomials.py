@@ -33,6 +33,7 @@ from screwsim.study.pool.progress import Progress
 from screwsim.study.stages.axes import names_of
 
 SATURATION_NODES, OTHER_NODES = 6, 3  # number of values where --over gives ranges
+ECONOMIZED = "economizer_mass_flow", "vapour_mass_flow"  # figures of one machine, and of two stages
 RATED_TEMPERATURES = {"S": 5.0, "D": 45.0}  # [°C] used where the envelope contains it, else its middle
 
 
@@ -57,6 +58,7 @@ class Polynomials:
     follows: tuple[dict[str, Any], ...] = ()  # what varies together with a temperature, and so within a map
     two: bool = False  # of two stages in series, before whose paths their stage stands
     missing: tuple[str, ...] = ()  # what the maps have to do without, in words
+    economized: bool = False  # the liquid is cooled behind the condenser, by vapour that the machine draws besides
 
     def name(self, one: PerformanceMap) -> str:
         """Return what distinguishes a map from the others, as part of a name: 'speed_308.923'."""
@@ -159,7 +161,8 @@ def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     name, blend = (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
     title, point = title_on_one_line(results.attributes["title"]), "dew" if blend else "bubble"
     about = units, conditions(results), axes, point, tuple(followers(results)), bool(results.stages), _missing(every)
-    return Polynomials(title, name, maps, *about)
+    economized = any(each in results.figures for each in ECONOMIZED)
+    return Polynomials(title, name, maps, *about, economized=economized)
 
 
 def _missing(maps: Sequence[PerformanceMap]) -> tuple[str, ...]:

@@ -101,6 +101,7 @@ KINDS = {
         Kind("surface_tension", "N/m", "30 mN/m", most=10.0),
         Kind("heat_transfer_coefficient", "W/(m^2 K)", "500 W/(m^2 K)", most=1e12),
         Kind("conductance", "W/K", "0.5 kW/K", most=1e12),
+        Kind("molar_mass", "kg/mol", "590 g/mol", most=1e3),
         Kind("thermal_expansion", "1/K", "11.5 um/(m K)", most=0.01),
     )
 }

@@ -5,7 +5,10 @@ A pipe or a device may never end, and opening one may block for ever, so the typ
 
 import os
 import stat
+from collections.abc import Callable
+from functools import lru_cache, wraps
 from pathlib import Path
+from typing import Concatenate, ParamSpec, TypeVar
 
 PACKAGE, CONFIGS = Path(__file__).resolve().parents[1], "configs"
 
@@ -13,6 +16,10 @@ MOST_YAML = 4_000_000  # [byte] largest scene, fit or file of stages: some tens 
 MOST_TABLE = 16_000_000  # [byte] largest table
 _MEGA = 1_000_000
 HDF5 = b"\x89HDF"  # first bytes of a file of results
+_KEPT = 32  # files of one kind that are remembered
+
+More = ParamSpec("More")
+Found = TypeVar("Found")
 
 
 class Unreadable(Exception):
@@ -48,6 +55,23 @@ def stamp(path: str | os.PathLike[str]) -> tuple[int, ...]:
     except (OSError, ValueError):
         return ()
     return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
+
+
+def once_per_file(read: Callable[Concatenate[str, More], Found]) -> Callable[Concatenate[str, More], Found]:
+    """Let a function of a file, and of more that can be hashed, read it again only when its `stamp` has changed.
+
+    Many callers share what it returns, which must not be changed; what it raises is not remembered.
+    """
+
+    @lru_cache(maxsize=_KEPT)
+    def remembered(path: str, _stamp: tuple[int, ...], *more: More.args, **named: More.kwargs) -> Found:
+        return read(path, *more, **named)
+
+    @wraps(read)
+    def reader(path: str, *more: More.args, **named: More.kwargs) -> Found:
+        return remembered(path, stamp(path), *more, **named)
+
+    return reader
 
 
 def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:

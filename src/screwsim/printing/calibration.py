@@ -62,6 +62,7 @@ def calibration_document(found: Calibration) -> dict[str, Any]:
             for each in found.shifts
         ],
         "left_out": dict(found.left_out),
+        "misread_units": list(found.misread),
         "correlation": None if known is None else known.correlation,
         "singular_values": None if known is None else known.singular,
         "not_told_apart": [] if known is None else [asdict(each) for each in known.open],
@@ -277,6 +278,7 @@ def _quality(found: Calibration) -> Iterator[str]:
             f"cases{doubt}; standard errors are multiplied by {found.scale:.3g}"
         )
         if doubt:
+            yield from found.misread
             yield from _outliers(found, found.chi_squared)
     ends = f"{len(found.as_good)} of {len(found.starts)} starts"
     yield f"as good: {ends}, which end within {found.margin:.3g} of the best chi squared (68 % of the joint region)"

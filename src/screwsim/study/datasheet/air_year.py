@@ -25,7 +25,6 @@ POWER, OPTION = "package_input_power", "--profile"
 KWH, WHOLE = 3.6e6, 8760.0  # J, h
 DEMAND_TOLERANCE = 1e-3  # of full flow: excess of a demand that still counts as met
 _FLOW = re.compile(r"flow\s*\[([^\]]+)\]")
-_AS_ON_SHEETS = dict.fromkeys(("acfm", "cfm"), "ft^3/min")
 _EXAMPLE = "a first line 'flow [m^3/min], hours', then e.g. '6.5, 2000'"
 
 
@@ -66,7 +65,7 @@ def read_profile(name: str) -> tuple[Demand, ...]:
         raise UsageError(f"{where}: is not a table of flows (with unit) and hours (write {_EXAMPLE})")
     match = heads[flow]
     assert match is not None
-    unit = _AS_ON_SHEETS.get(match[1], match[1])
+    unit = match[1]
     found = []
     for row in sheet.rows:
         at, hours = f"{where} line {row.line}", row.cells[1 - flow]
