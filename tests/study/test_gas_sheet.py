@@ -14,8 +14,8 @@ from screwsim.scene.operation import P_D, P_S
 from screwsim.study.asked.inputs import ends_of
 from screwsim.study.datasheet.air_rating import Point
 from screwsim.study.datasheet.gas_sheet import rating_request
+from screwsim.study.datasheet.machine_lines import machine_line, oil_line
 from screwsim.study.datasheet.rated import case_scene
-from screwsim.study.datasheet.tables import machine_line, oil_line
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.template import new_scene, request_of
 

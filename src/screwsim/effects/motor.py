@@ -160,8 +160,8 @@ def beyond_rating(share: float) -> str:
     """Return in words that a load, a share of the rated power, lies above it; empty where it does not, to a percent."""
     if round(share, 2) <= 1.0:
         return ""
-    place = "within" if share <= SERVICE_FACTOR else "and above"
-    return f"above its rating, {place} a service factor of {SERVICE_FACTOR:g} (NEMA MG 1)"
+    place = ", within" if share <= SERVICE_FACTOR else " and"
+    return f"above its rating{place} a service factor of {SERVICE_FACTOR:g} (NEMA MG 1)"
 
 
 def losses_of(parameters: Parameters) -> Callable[[float, float], tuple[float, float]]:

@@ -26,7 +26,7 @@ def machine_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) 
 def load_in_words(share: float, where: str) -> str:
     """Return the load of a motor, a share of its rated power, behind that power; `where` says at which point."""
     beyond = beyond_rating(share)
-    return f", {100.0 * share:.0f} % of it {where}{f' ({beyond})' if beyond else ''}"
+    return f", {100.0 * share:.0f} % of it {where}{f', {beyond}' if beyond else ''}"
 
 
 def power_lines(scene: Scene, found: Mapping[str, Any], units: Units, gives: bool = False) -> Lines:
