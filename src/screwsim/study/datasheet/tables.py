@@ -123,6 +123,7 @@ def part_load_table(
             )
     if rows:
         note = f"{note}; {MARK} beyond a limit" if marked else note
+        rows = rows if marked else [[cell.rstrip(BLANK) for cell in row] for row in rows]
         yield Table("Part load at equal loads", heads, rows, note, left=1, across=True)
 
 
