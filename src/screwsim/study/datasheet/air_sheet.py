@@ -155,7 +155,7 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
             yield "heat", f"{heat.factor * found['package_heat']:.1f} {heat.unit} at full flow, {oil}"
             if (mixed := found.get(MIXTURE)) is not None:
                 alone = f"the air alone at {units.degrees(found[GAS_OUT], '.1f')}"
-                yield "behind rotors", f"air and oil at {units.degrees(mixed, '.1f')}, {alone}"
+                yield "mixture", f"air and oil at {units.degrees(mixed, '.1f')}, {alone}"
             yield "outlet", f"air at {units.degrees(found['package_discharge_temperature'], '.1f')}"
         if humid:
             yield "water", _water(found, units)

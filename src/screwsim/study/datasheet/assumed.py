@@ -102,6 +102,6 @@ def _oil_over_dew_point(stated: float | None, found: Figures) -> float | None:
 
 
 def oil_viscosity(name: str, stated: float | None, found: Figures) -> float | None:
-    """Return the kinematic viscosity [m²/s] of a stored oil as it enters, without dissolved gas (M140)."""
+    """Return the kinematic viscosity [m²/s] of a stored oil as it enters, without dissolved gas."""
     T, oil = found.get(SUPPLY, stated), OILS[name]
     return None if T is None else oil.viscosity_at(T) / oil.density_at(T)
