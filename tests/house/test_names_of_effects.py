@@ -65,6 +65,8 @@ IMPORTS = {  # of what an effect's file has
     "solve/start_up.py": {"gas_torque"},
     "study/datasheet/air_rating.py": {"air_package"},
     "study/datasheet/air_sheet.py": {"air_package"},
+    "study/datasheet/machine_lines.py": {"motor"},
+    "study/sizing.py": {"motor"},
     "study/stages/figures.py": {"air_package"},
     "template/gas.py": {"oil_drag"},
 }
