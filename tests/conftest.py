@@ -10,7 +10,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Generator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 from _pytest.runner import runtestprotocol
@@ -244,5 +244,25 @@ def python() -> Callable[..., subprocess.CompletedProcess[str]]:
         changed = inherited | {"PYTHONPATH": SOURCES} | variables
         environment = {name: value for name, value in changed.items() if value is not None}
         return subprocess.run([sys.executable, "-c", text], env=environment, capture_output=True, text=True)
+
+    return call
+
+
+class Answer(NamedTuple):
+    """How a command ended, and what it printed."""
+
+    code: int
+    out: str
+    err: str
+
+
+@pytest.fixture
+def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
+    """Return a function that runs `screwsim ARGUMENTS…` in this process."""
+    from screwsim import cli
+
+    def call(*arguments: object) -> Answer:
+        code = cli.exit_code([str(each) for each in arguments])
+        return Answer(code, *capsys.readouterr())
 
     return call

@@ -11,6 +11,7 @@ from each_row import each_row
 from screwsim.cycle.problem import Problem, problem_of
 from screwsim.evaluate.verdict import failure, outside_gas_range, remedy_for
 from screwsim.fluid.limits import Limit, Outside
+from screwsim.fluid.saturation import saturation
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
 
@@ -114,3 +115,16 @@ def test_a_machine_that_all_but_stands_is_told_so():
     assert result.status == "failed"
     assert "almost stands still: a turn takes 6.94e+05 days" in result.message
     assert "port areas" not in result.message
+
+
+def test_an_integration_that_stops_at_the_critical_point_says_so():
+    """The heat capacity of both phases has no bound there: an expander from 50.4 bar and 165 °C came upon it."""
+    states = {"gas.fluid": "R245fa", "gas.model": "real", "gas.two_phase": "equilibrium"}
+    states |= {"operation.suction.temperature": "140 degC"}
+    problem = problem_of(load(CONFIGS / "expander/point.yaml").with_(states))
+    T, rho = saturation("R245fa").T_c, saturation("R245fa").rho_c
+    y = np.array([T, rho, *[0.0] * (len(problem.composition.states) - 2)])
+    cycle = SimpleNamespace(y=y, angle=np.radians(71.07), impacts=0, trajectory=SimpleNamespace(R=None))
+    told = failure(problem, cycle)
+    assert told.startswith("the integration stopped at 71.07 deg, at the critical point of R245fa (153.86 degC")
+    assert "temperature or pressure at the inlet" in told

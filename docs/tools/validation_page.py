@@ -27,7 +27,8 @@ ROOT = Path(__file__).resolve().parents[2]
 KEPT, DOCS = ROOT / "validation" / "results.json", ROOT / "docs"
 PAGE, FIGURES = DOCS / "explanation" / "validation.md", DOCS / "figures"
 _MACHINES = ("paper", "bitzer", "hsk", "giuffrida", "he2018", "cagi", "energyplus", "varispeed", "co2")
-ORDER = ("exact", "plain", "cross_code", *_MACHINES, "droplets", "solubility", "limits")
+_OIL = ("droplets", "solubility", "solubility_beyond", "solution_viscosity")
+ORDER = ("exact", "plain", "cross_code", *_MACHINES, *_OIL, "limits")
 HEAD = """\
 # Validation: how far from real machines
 

@@ -240,41 +240,49 @@ def _closed_in_entropy(
 
 
 def _status_of(accurate: Accurate, balance: Figures, forbidden: str, why: str) -> tuple[str, str]:
-    """Return the status of a cycle that has figures, and its message.
+    """Return the status of a cycle that has figures, and its message: the first reason that applies.
 
     `forbidden` is an effect's reason to reject the cycle (empty: none), `why` the reason why the oil's temperatures
     or a package's losses were not found (empty where they were).
     """
-    cycle, of = accurate.cycle, accurate.evaluation
-    status, message, bound = cycle.status, "", balance["bound"]
+    of, bound = accurate.evaluation, balance["bound"]
     none, circuit_open = verdict.circuit_verdict(of)
     package_open = 0.0 if of.package is None else of.package.open
-    unsettled = why if max(circuit_open, package_open) > bound else ""
-    forbidden = none or unsettled or forbidden  # what a cycle of other surroundings forbids says nothing of the scene
+    not_found = why if max(circuit_open, package_open) > bound else ""
+    rejected = none or not_found or forbidden  # what a cycle of other surroundings forbids says nothing of the scene
+    if rejected:
+        return FAILED, f"{rejected}; the chambers' figures are those of the closed cycle"
     residuals = {name: balance[name] for name in ("mass", "energy", "entropy", "drive") if balance[name] is not None}
-    if status == NOT_CLOSED or max(residuals.values()) > bound:
-        status, left = NOT_CLOSED, f"{_shown(residuals)} against the bound {bound:.2g}"
-        message = f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
-    else:
-        tighter, found_open = "try a tighter numerics.accuracy", open_values_residual(of)
-        state = "state oil_supply.temperature or the temperature after its cooler"
-        parts = (
-            (circuit_open, "the oil's circuit leaves {:.2g} of the shaft power open", f"{state} instead, or {tighter}"),
-            (found_open, "what is found with the cycle leaves {:.2g} of a flow open", why or f"state it, or {tighter}"),
-            (package_open, "the package's losses leave {:.2g} of a pressure open", tighter),
-        )
-        for size, left, remedy in parts:
-            if status != NOT_CLOSED and size > bound:
-                status, message = NOT_CLOSED, f"{left.format(size)}, against the bound {bound:.2g}; {remedy}"
-    unsettled = f"; {{}} cycle does not close: {_shown(residuals)}, bound {bound:.2g}" if status != OK else ""
-    unknown = verdict.unanswered_question(of, status == OK)
+    left = _left_open(accurate, residuals, (bound, circuit_open, package_open), why)
+    besides = f"; {{}} cycle does not close: {_shown(residuals)}, bound {bound:.2g}" if left else ""
+    unknown = verdict.unanswered_question(of, not left)
     if unknown:
-        status, message = FAILED, unknown + unsettled.format("their")
-    elif status != OK and (swings := verdict.beyond_its_mean(of.problem, of.life)):
-        status, message = FAILED, swings + unsettled.format("its")
-    if forbidden:
-        status, message = FAILED, f"{forbidden}; the chambers' figures are those of the closed cycle"
-    return status, message
+        return FAILED, unknown + besides.format("their")
+    if left and (swings := verdict.beyond_its_mean(of.problem, of.life)):
+        return FAILED, swings + besides.format("its")
+    return (NOT_CLOSED, left) if left else (OK, "")
+
+
+def _left_open(accurate: Accurate, residuals: Mapping[str, float], limits: tuple[float, float, float], why: str) -> str:
+    """Return why a cycle does not count as closed: what is open, against which bound, and a remedy; empty if it does.
+
+    `limits` are the bound and what the oil's circuit and the package leave open.
+    """
+    cycle, of = accurate.cycle, accurate.evaluation
+    bound, circuit_open, package_open = limits
+    if not cycle.closed or max(residuals.values()) > bound:
+        left = f"{_shown(residuals)} against the bound {bound:.2g}"
+        return f"{left}, last change {cycle.change:.2g}; {verdict.unclosed(of, cycle)}"
+    tighter, found_open = "try a tighter numerics.accuracy", open_values_residual(of)
+    state = "state oil_supply.temperature or the temperature after its cooler"
+    for size, left, remedy in (
+        (circuit_open, "the oil's circuit leaves {:.2g} of the shaft power open", f"{state} instead, or {tighter}"),
+        (found_open, "what is found with the cycle leaves {:.2g} of a flow open", why or f"state it, or {tighter}"),
+        (package_open, "the package's losses leave {:.2g} of a pressure open", tighter),
+    ):
+        if size > bound:
+            return f"{left.format(size)}, against the bound {bound:.2g}; {remedy}"
+    return ""
 
 
 def _shown(residuals: Mapping[str, float]) -> str:

@@ -5,8 +5,9 @@ import re
 
 import pytest
 import report_fakes
-from result_fakes import SCENE
+from result_fakes import GRID, SCENE
 
+from screwsim.cli import options
 from screwsim.inputs.faults import SceneError
 from screwsim.printing import print_result
 from screwsim.printing.stages import print_stages
@@ -55,6 +56,12 @@ def test_a_title_is_printed_with_its_controls_written_out(capsys):
     assert capsys.readouterr().out.startswith(ESCAPED)
     print_stages(HOSTILE, ChainResult("failed", HOSTILE))
     assert capsys.readouterr().out.startswith(f"{ESCAPED}\nstatus: failed; {ESCAPED}")
+
+
+def test_a_sweep_left_aside_is_told_without_steering(capsys):
+    options.report_ignored_sweep(loads(SCENE + GRID), f"{HOSTILE}.yaml: its", "a remedy")
+    told = capsys.readouterr().err
+    assert told.startswith(f"{ESCAPED}.yaml: its sweep of ") and not STEERING.search(told)
 
 
 def test_arguments_that_make_no_sense_are_shown_without_steering(command):

@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from screwsim.effects.motor import read_table as read_motor
+from screwsim.effects.parts import inverter
+from screwsim.fluid import solubility_laws
+from screwsim.inputs import sheets
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.sheets import MOST_ROWS, BadSheet, read_sheet, sheet_of
 from screwsim.machine.rotors.imported import read_profile
@@ -165,3 +168,29 @@ def test_a_curve_with_semicolons_is_that_with_commas(tmp_path):
         (tmp_path / f"{name}.csv").write_text(text, encoding="utf-8-sig")
     one, other = (read_curve(str(tmp_path / f"{name}.csv"), "area_m2") for name in ("points", "commas"))
     assert all(np.array_equal(mine, its) for mine, its in zip(one, other, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("read", "head", "row"),
+    [
+        (lambda path: read_curve(path, "area_m2"), "angle_deg,area_m2", "{0}0,0.00{1}"),
+        (read_motor, "load,efficiency", "0.{0},0.9{1}"),
+        (inverter.read_points, "speed,current,loss", "0.{0},1,{1}00"),
+        (lambda path: solubility_laws.read_points(path, "R134a"), ",".join(solubility_laws.COLUMNS), "{0}0,1.{1},9"),
+    ],
+    ids=["curve", "motor", "inverter", "solubility"],
+)
+def test_a_file_that_a_scene_names_is_read_once_until_it_changes(read, head, row, tmp_path, monkeypatch):
+    reads, path = [], tmp_path / "x.csv"
+    monkeypatch.setattr(sheets, "read_text", lambda *a, text=sheets.read_text: reads.append(a) or text(*a))
+
+    def write(last):
+        text = "\n".join([head, *(row.format(i, i) for i in (1, 2, 3)), row.format(4, last)]) + "\n"
+        (tmp_path / "new.csv").write_text(text)
+        (tmp_path / "new.csv").replace(path)
+
+    write(4)
+    first = read(str(path))
+    assert read(str(path)) is first and len(reads) == 1
+    write(5)
+    assert str(read(str(path))) != str(first) and len(reads) == 2

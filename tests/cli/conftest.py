@@ -1,17 +1,15 @@
-"""A small scene in a folder of its own, and the command run in this process or in a new one."""
+"""A small scene in a folder of its own, and Python run anew."""
 
 import os
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 from small_scene import SCENE
 
 import screwsim
-from screwsim import cli
 
 OILED = """\
 oil: {density: 1000 kg/m^3, heat_capacity: 2 kJ/(kg K), transport: paper}
@@ -19,14 +17,6 @@ oil_supply: {kind: pump, ratio: 3, temperature: 293 K}
 effects:
   oil_heat: {droplet_radius: 100 um, heat_transfer_coefficient: 500 W/(m^2 K)}
 """
-
-
-class Answer(NamedTuple):
-    """How a command ended, and what it printed."""
-
-    code: int
-    out: str
-    err: str
 
 
 def furnish(place: Path) -> Path:
@@ -51,25 +41,12 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def command(capsys: pytest.CaptureFixture[str]) -> Callable[..., Answer]:
-    """Return a function that runs `screwsim ARGUMENTS…` in this process."""
+def new_python() -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Return a function that runs a new Python, with the cache of these tests, in which the package is found."""
 
-    def call(*arguments: str) -> Answer:
-        code = cli.exit_code(arguments)
-        return Answer(code, *capsys.readouterr())
-
-    return call
-
-
-@pytest.fixture
-def python() -> Callable[..., Answer]:
-    """Return a function that runs a new Python in which the package is found."""
-
-    def call(*arguments: str, **variables: str) -> Answer:
+    def call(*arguments: str, **variables: str) -> subprocess.CompletedProcess[str]:
         path = str(Path(screwsim.__file__).parents[1])
         environment = os.environ | {"PYTHONPATH": path} | variables
-        command = [sys.executable, *arguments]
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-        return Answer(done.returncode, done.stdout, done.stderr)
+        return subprocess.run([sys.executable, *arguments], env=environment, capture_output=True, text=True)
 
     return call

@@ -122,6 +122,8 @@ def test_an_interruption_shows_the_best_so_far_and_ends_with_130(fitted, command
     monkeypatch.setattr(sys.modules["screwsim.simulate"], "simulate_many", stopping)
     answer = command("calibrate", "small.fit.yaml", "--jobs", "1")
     assert answer.code == 130
+    (line,) = answer.err.splitlines()
+    assert line.startswith("interrupted; calibrate: the best so far of")
     assert "the best so far" in answer.out
     assert "gap" in answer.out
 

@@ -92,11 +92,11 @@ def test_what_is_wrong_in_it_on_import_is_a_fault_of_the_scene(wrong, own, comma
     assert f": effects.{name}: fails on import {told}; fix that module" in answer.err
 
 
-def test_a_death_on_import_is_a_fault_of_the_scene(own, folder, python):
+def test_a_death_on_import_is_a_fault_of_the_scene(own, folder, new_python):
     name = own(on_import="os._exit(0)")
-    answer = python("-m", "screwsim", "run", "ended.yaml")
-    assert (answer.code, answer.out) == (3, "")
-    [line] = answer.err.splitlines()
+    answer = new_python("-m", "screwsim", "run", "ended.yaml")
+    assert (answer.returncode, answer.stdout) == (3, "")
+    [line] = answer.stderr.splitlines()
     assert f": effects.{name}: cannot be imported (a process that imported it died with exit code 0)" in line
 
 

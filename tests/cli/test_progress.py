@@ -75,11 +75,11 @@ def test_the_bar_shows_cases_rate_time_left_and_failures_on_one_line(folder):
 
 
 @pytest.mark.parametrize("json", [(), ("--json",)])
-def test_nothing_is_shown_when_stderr_is_no_terminal(json, folder, python):
-    answer = python("-m", "screwsim", "sweep", "swept.yaml", "-o", "two.h5", "--jobs", "2", *json)
-    assert answer.code == 0
-    assert "points/s" not in answer.err
-    assert "\x1b" not in answer.out + answer.err
+def test_nothing_is_shown_when_stderr_is_no_terminal(json, folder, new_python):
+    answer = new_python("-m", "screwsim", "sweep", "swept.yaml", "-o", "two.h5", "--jobs", "2", *json)
+    assert answer.returncode == 0
+    assert "points/s" not in answer.stderr
+    assert "\x1b" not in answer.stdout + answer.stderr
 
 
 def test_an_interrupted_optimisation_says_whether_anything_is_kept(tmp_path, monkeypatch, capsys):

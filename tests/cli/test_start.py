@@ -9,7 +9,7 @@ LOADED = "print(json.dumps(sorted({name.partition('.')[0] for name in sys.module
 
 
 def _loaded(answer) -> set[str]:
-    return set(json.loads(answer.err.splitlines()[-1]))
+    return set(json.loads(answer.stderr.splitlines()[-1]))
 
 
 HELP = ["--help"], ["run", "--help"], ["--version"]
@@ -23,18 +23,18 @@ for arguments in {HELP!r}:
 """
 
 
-def test_the_package_imports_nothing_and_help_nothing_heavy(python):
-    answer = python("-c", FRONT)
-    assert answer.code == 0, answer.err
-    package, *helps = ({*json.loads(line)} for line in answer.err.splitlines())
+def test_the_package_imports_nothing_and_help_nothing_heavy(new_python):
+    answer = new_python("-c", FRONT)
+    assert answer.returncode == 0, answer.stderr
+    package, *helps = ({*json.loads(line)} for line in answer.stderr.splitlines())
     assert not package & (HEAVY | {"typer", "rich", "ruamel"})
     assert len(helps) == len(HELP) and not any(loaded & HEAVY for loaded in helps)
 
 
-def test_module_is_the_command(python):
-    answer = python("-m", "screwsim", "--version")
-    assert (answer.code, answer.err) == (0, "")
-    assert answer.out.startswith("screwsim 0.")
+def test_module_is_the_command(new_python):
+    answer = new_python("-m", "screwsim", "--version")
+    assert (answer.returncode, answer.stderr) == (0, "")
+    assert answer.stdout.startswith("screwsim 0.")
 
 
 OWN = "print(json.dumps(sorted(name for name in sys.modules if name.startswith('screwsim.'))), file=sys.stderr)"
@@ -45,9 +45,9 @@ UNUSED = {  # packages of what a command does not do
 
 
 @pytest.mark.parametrize("command", UNUSED)
-def test_a_command_imports_nothing_that_it_does_not_use(command, folder, python):
+def test_a_command_imports_nothing_that_it_does_not_use(command, folder, new_python):
     code = f"import json, sys; from screwsim import cli; cli.exit_code(['{command}', 'small.yaml']); {OWN}"
-    loaded = json.loads(python("-c", code).err.splitlines()[-1])
+    loaded = json.loads(new_python("-c", code).stderr.splitlines()[-1])
     assert "screwsim.scene.load" in loaded
     assert [name for name in loaded if name.removeprefix("screwsim.").startswith(UNUSED[command])] == []
 
@@ -76,18 +76,18 @@ screwsim.nonsense
 """
 
 
-def test_simulate_is_the_function_in_any_order_of_imports_and_every_public_name_is_there(python):
-    answer = python("-c", EACH_ANEW)
-    assert answer.err.splitlines()[-1] == "AttributeError: module 'screwsim' has no attribute 'nonsense'"
+def test_simulate_is_the_function_in_any_order_of_imports_and_every_public_name_is_there(new_python):
+    answer = new_python("-c", EACH_ANEW)
+    assert answer.stderr.splitlines()[-1] == "AttributeError: module 'screwsim' has no attribute 'nonsense'"
 
 
-def test_explaining_imports_no_compiler_and_with_known_constants_no_coolprop(folder, python):
+def test_explaining_imports_no_compiler_and_with_known_constants_no_coolprop(folder, new_python):
     code = f"import json, sys; from screwsim import cli; cli.exit_code(['explain', 'rated.yaml']); {LOADED}"
     states = "evaporating_temperature: 2 degC, condensing_temperature: 45 degC, superheat: 10 K, subcooling: 5 K"
     text = f"base: small.yaml\noperation: {{suction: null, discharge: null, {states}}}\n"
     (folder / "rated.yaml").write_text(text)
-    first, second = (python("-c", code, SCREWSIM_CACHE=str(folder / "cache")) for _ in range(2))
-    assert "dew point at 2 °C" in second.out and second.out == first.out
+    first, second = (new_python("-c", code, SCREWSIM_CACHE=str(folder / "cache")) for _ in range(2))
+    assert "dew point at 2 °C" in second.stdout and second.stdout == first.stdout
     assert "CoolProp" in _loaded(first)
     assert "CoolProp" not in _loaded(second)
     for each in (first, second):

@@ -9,6 +9,7 @@ import screwsim
 from screwsim.study.uncertainty.point import sensitivities
 
 CONFIGS = Path(__file__).parents[2] / "configs"
+R134A = Path(__file__).parents[1] / "plain" / "r134a.yaml"
 CLOSE = 1e-4  # the figures of the run, over which slopes are taken, err by up to that; the slopes' own sums by 1e-7
 PRESSURES = ("operation.suction.pressure", "operation.discharge.pressure")
 LOSSES = ("oil_pump", "hydromechanical", "mechanical")  # powers of their own
@@ -63,3 +64,17 @@ def test_every_number_of_the_scene_has_its_derivative_and_is_told_to_be_exact(fo
     assert set(found.method.values()) == {"exact"}
     assert set(found.values) == set(found.derivatives["shaft_power"])
     assert found.left_out["machine.male_lobes"] == "a whole number"
+
+
+@pytest.mark.parametrize("fine", [True, False])
+def test_the_heat_of_insulated_walls_is_none_whatever_the_numbers_and_else_what_cools_them(fine):
+    """What is found there are digits of rounding, up to 4e-8 of the shaft power by a whole number."""
+    walls = {"rotor_area": "300 cm^2", "housing_area": "200 cm^2", "characteristic_length": "40 mm"}
+    scene = screwsim.load(R134A).with_({"effects.wall_heat": walls})
+    cooling = "effects.wall_heat.rotor_cooling"
+    paths = ["operation.speed", "operation.evaporating_temperature", "effects.tip_leakage.gap", cooling]
+    found = sensitivities(scene, [*paths, "effects.wall_heat.nusselt_factor"], fine=fine)
+    slopes = dict(found.derivatives["wall_heat"])
+    assert slopes.pop(cooling) == pytest.approx(-1.0, rel=1e-3)
+    assert set(slopes.values()) == {0.0}
+    assert all(found.derivatives["shaft_power"][path] for path in paths)

@@ -56,7 +56,10 @@ FULL = {  # what of an effect's parameters calls for the rest of its figures
 FULL["oil_pump"] = ("effects.oil_pump.line={length: 3 m, diameter: 20 mm}",)
 FULL["liquid_injection"] = ("effects.liquid_injection.discharge_temperature=60 degC",)
 POINTS = Path(__file__).with_name("r134a_in_ester.csv")
-FULL["refrigerant_solubility"] = (f"effects.refrigerant_solubility.points_file={POINTS}",)
+THIN = ("films_at=suction", "oil_molar_mass=590 g/mol")
+FULL["refrigerant_solubility"] = tuple(
+    f"effects.refrigerant_solubility.{key}" for key in (f"points_file={POINTS}", *THIN)
+)
 FULL["separator"] = (
     "oil_supply.temperature=null",
     "effects.separator={cooler: {conductance: 1 kW/K, coolant_temperature: 300 K}}",

@@ -17,7 +17,7 @@ FIGURES = SimpleNamespace(
     omega=300.0,
     oil_temperature=310.0,
     oil_discharge_temperature=330.0,
-    oil_viscosity_at=lambda T: 0.02,
+    film_viscosity_at=lambda T: 0.02,
     oil_density_at=lambda T: 1000.0,
     turn=None,
 )

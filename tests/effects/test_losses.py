@@ -23,7 +23,9 @@ FIGURES = SimpleNamespace(
     indicated_power=5e4,
     oil_mass_flow=2.0,
     oil_volume_flow=2e-3,
-    oil_viscosity=0.02,
+    oil_temperature=330.0,
+    film_viscosity_at=lambda T: 0.02,
+    supply_viscosity=0.02,
     injection_pressure=2e5,
     delivery_pressure=12e5,
     oil_source_pressure=12e5,
@@ -158,12 +160,12 @@ def line_loss(**changes):
 def test_viscous_oil_in_a_pipe_loses_what_hagen_and_poiseuille_say():
     """8 μ L V̇/(π r⁴), in proportion to the viscosity: Re = 1273 at 0.1 Pa s."""
     for mu in (0.1, 0.2):
-        assert line_loss(oil_viscosity=mu) == pytest.approx(8.0 * mu * 3.0 * 2e-3 / (math.pi * 0.01**4), rel=1e-12)
+        assert line_loss(supply_viscosity=mu) == pytest.approx(8.0 * mu * 3.0 * 2e-3 / (math.pi * 0.01**4), rel=1e-12)
 
 
 def test_thin_oil_loses_by_blasius():
     """ρ 1000, w 6.366 m/s, Re 63 662: f = 0.3164/Re^¼ = 0.019919."""
-    assert line_loss(oil_viscosity=0.002) == pytest.approx(0.019919 * 150.0 * 0.5 * 1000.0 * 6.36620**2, rel=1e-4)
+    assert line_loss(supply_viscosity=0.002) == pytest.approx(0.019919 * 150.0 * 0.5 * 1000.0 * 6.36620**2, rel=1e-4)
 
 
 def test_the_friction_factor_is_continuous():
@@ -176,7 +178,7 @@ def test_a_flow_beyond_blasius_law_is_told(viscosity, beyond):
     """From Re = 1e5 on: 106 103 at 1.2 mPa s."""
     parameters = oil_pump.Parameters(efficiency=0.5, line=oil_pump.Line(**LINE))
     _, reading = oil_pump.build(parameters, MACHINE)
-    why, warnings = reading.judge(SimpleNamespace(**{**vars(FIGURES), "oil_viscosity": viscosity}))
+    why, warnings = reading.judge(SimpleNamespace(**{**vars(FIGURES), "supply_viscosity": viscosity}))
     assert why == ""
     assert [("is 106103" in line) for line in warnings] == [True] * beyond
 

@@ -303,6 +303,24 @@ def test_sliders_have_the_colour_of_what_they_do(seen):
     assert "linear-gradient" in seen.until(f"{slider}.style.getPropertyValue('--track')")
 
 
+def test_derivatives_that_come_after_a_change_are_not_shown_as_those_of_the_new_settings(seen):
+    """They take their time: ± by inputs of the settings before stood beside the figures of the new ones."""
+    late = "receiveSlopes({ id: 99, slopes: {}, halves: { shaft_power: 1e3 }, lost: [] })"
+    assert seen.value(f"around = {{ id: 99, entries: [], values: [], left: 1 }}, {late}, halves !== null")
+    seen.value("around.id = 99, setTo(controlOf('operation.speed'), 1100)")
+    seen.until("sent.size === 0 && log.answered === number")
+    assert seen.value(f"{late}, halves") is None
+
+
+def test_a_change_has_the_sign_of_the_difference_also_of_a_negative_figure(seen):
+    """As `compare` has it, and as a slider says what it raises: an expander's power of -50 kW that becomes -40 kW."""
+    for before, now, said in ((-50e3, -40e3, "+20 %"), (-1e3, 1e3, "+200 %"), (50e3, 40e3, "−20 %")):
+        seen.value(f"ghost = shown, shown = {{ performance: {{ shaft_power: {now} }} }}, null")
+        told = seen.value(f"changeOf('shaft_power', {{ performance: {{ shaft_power: {before} }} }})")
+        seen.value("shown = ghost, null")
+        assert told == said
+
+
 def test_a_line_that_is_cut_is_opened_again(browser):
     with served() as first:
         page = browser.new_page()

@@ -85,6 +85,21 @@ def test_normalised_curves_are_one_at_the_rated_point(found):
     assert bicubic([*eir, 0, 0, 0, 0], S, D) == pytest.approx(float(ratio / over), abs=0.02)
 
 
+@pytest.mark.parametrize("economized", [False, True])
+def test_the_file_for_energyplus_says_that_an_economizer_cools_the_liquid_further(found, economized):
+    told = " ".join(energyplus.notes(replace(found, economized=economized)))
+    assert ("rated_subcooling is that behind the condenser" in told) == economized
+    text = energyplus.idf(energyplus.energyplus_objects(found, "x"), energyplus.notes(replace(found, economized=True)))
+    assert objects(text).keys() == {"Version", *energyplus.CLASSES}
+
+
+@pytest.mark.parametrize(("more", "economized"), [([], False), (["economizer_mass_flow"], True)])
+def test_a_map_is_known_to_be_that_of_a_machine_with_an_economizer(swept_map, more, economized, monkeypatch):
+    figures = [*swept_map.figures, *more]
+    monkeypatch.setattr(type(swept_map), "figures", property(lambda results: figures))
+    assert polynomials(swept_map, FIGURES).economized == economized
+
+
 def test_what_normalised_curves_are_off_by_is_told(found):
     one = found.maps[0]
     at = rated_temperatures(one)

@@ -199,7 +199,7 @@ def test_every_gas_has_its_own_kernel_names():
 def test_both_gases_have_one_interface():
     missing = {name for name in dir(R134A) if not name.startswith("_")} - set(dir(IdealGas(81.49, 1.12)))
     allowed = {"fluid", "two_phase", "known", "follows", "why_outside", "isentrope"}
-    boils = {"liquid", "equilibrium", "saturation_pressure", "saturation_temperature"}
+    boils = {"liquid", "equilibrium", "saturation_pressure", "saturation_temperature", "at_critical_point"}
     assert missing <= allowed | boils  # what only a gas that can boil has
 
 
@@ -337,6 +337,15 @@ def test_two_phases_are_outside_only_where_they_are_refused():
     rho = 1.5 * R134A.density(5e5, 290.0)
     assert "condenses at 16.85 degC" in R134A.why_outside(290.0, rho).what
     assert RealGas("R134a", "equilibrium").why_outside(290.0, rho) is None
+
+
+@each_row(("T_r", "rho_r", "beside"), [(1.0, 1.01, True), (1.0, 0.99, True), (1.001, 1.0, False), (1.0, 1.2, False)])
+def test_a_state_beside_the_critical_point_is_told_where_two_phases_are_followed(T_r, rho_r, beside):
+    found = saturation("R245fa")
+    state = T_r * found.T_c * (1.0 - 1e-7), rho_r * found.rho_c
+    told = RealGas("R245fa", "equilibrium").at_critical_point(*state)
+    assert told == ("the critical point of R245fa (153.86 degC, 519 kg/m3)" if beside else "")
+    assert RealGas("R245fa").at_critical_point(*state) == ""
 
 
 def test_the_first_state_outside_is_found():

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from each_row import each_row
 
-from screwsim.fluid.solubility_laws import COLUMNS, ESTER, Measured, Point, law_of_points, read_points
+from screwsim.fluid.solubility_laws import COLUMNS, ESTER, EXPANDS, Measured, Point, law_of_points, read_points
 from screwsim.inputs.faults import UsageError
 
+T_CRITICAL = {"R290": 369.89, "R134a": 374.21}
 HEAD = ",".join(COLUMNS)
 PERCENT, CELSIUS = (2.0, 5.0, 10.0, 15.0, 20.0, 30.0), (-10.0, 20.0, 50.0, 80.0)
 
@@ -28,6 +29,7 @@ class Interaction(Measured):
 
     def __init__(self, fluid, constants):
         super(Measured, self).__init__(fluid, 260.0, 360.0, 1.0)
+        self.expands_to = EXPANDS * T_CRITICAL[fluid]
         self._constants = constants
 
 
@@ -48,11 +50,11 @@ def test_points_of_flory_and_huggins_law_give_it_back(propane):
 def test_points_of_heils_law_give_its_contents():
     """R134a in a polyol ester by M195, up to 30 % of the solution and 0.8 of the saturation pressure."""
     law = law_of_points("R134a", points_of(ESTER.equilibrium_pressure))
-    assert law.misfit < 0.02
+    assert law.misfit < 0.04  # M195 has the volume of saturated liquid up to 80 degC, M198 to 45
     for T in (280.0, 333.0, 350.0):
         for share in (0.1, 0.3, 0.5):
             p = share * ESTER.p_sat(T)
-            assert law.content(p, T) == pytest.approx(ESTER.content(p, T), rel=0.04)
+            assert law.content(p, T) == pytest.approx(ESTER.content(p, T), rel=0.06)
 
 
 @each_row("T", [265.0, 300.0, 350.0])
@@ -106,7 +108,7 @@ def written(folder, *rows, head=HEAD):
 
 
 def test_points_are_read_as_celsius_bar_and_percent_of_the_solution(tmp_path):
-    (point,) = read_points(written(tmp_path, "60,8.5,20"))
+    (point,) = read_points(written(tmp_path, "60,8.5,20"), "R134a")
     assert point == (2, pytest.approx(333.15), pytest.approx(8.5e5), pytest.approx(0.25))
 
 
@@ -120,14 +122,35 @@ def test_points_are_read_as_celsius_bar_and_percent_of_the_solution(tmp_path):
 )
 def test_cells_that_are_no_point_are_told_with_their_line(rows, words, tmp_path):
     with pytest.raises(UsageError, match=words.replace("(", r"\(")):
-        read_points(written(tmp_path, *rows))
+        read_points(written(tmp_path, *rows), "R134a")
 
 
 def test_a_file_without_the_columns_is_told(tmp_path):
     with pytest.raises(UsageError, match="needs the columns temperature_degC and pressure_bar and refrigerant_percent"):
-        read_points(written(tmp_path, "60,8.5,20", head="T,p,w"))
+        read_points(written(tmp_path, "60,8.5,20", head="T,p,w"), "R134a")
     with pytest.raises(UsageError, match=r"cannot be read: .*name a CSV file with the columns temperature_degC"):
-        read_points(str(tmp_path / "none.csv"))
+        read_points(str(tmp_path / "none.csv"), "R134a")
+
+
+def test_points_of_several_refrigerants_may_be_in_one_file(tmp_path):
+    file = written(tmp_path, "60,8.5,20,R134a", "60,9,10,R290", "60,4,9,n-Propane", head=f"{HEAD},refrigerant")
+    assert [each.line for each in read_points(file, "R290")] == [3, 4]
+    assert [each.line for each in read_points(file, "R134a")] == [2]
+
+
+def test_points_of_another_refrigerant_are_refused(tmp_path):
+    file = written(tmp_path, "60,8.5,20,R134a", head=f"{HEAD},refrigerant")
+    with pytest.raises(UsageError, match=r"has points of R134a, none of R290 \(name a file that has, or"):
+        read_points(file, "R290")
+    file = written(tmp_path, "60,8.5,20,R1344a", head=f"{HEAD},refrigerant")
+    with pytest.raises(UsageError, match=r"line 2: 'R1344a' is no refrigerant that CoolProp has"):
+        read_points(file, "R290")
+
+
+def test_shares_in_place_of_percent_are_refused(tmp_path):
+    with pytest.raises(UsageError, match=r"has no refrigerant_percent above 0.25, as if .* percent .*: 25 for 0.25\)"):
+        read_points(written(tmp_path, "60,1.5,0.02", "60,8.5,0.25"), "R134a")
+    assert len(read_points(written(tmp_path, "60,0.2,0.5", "60,1.5,2"), "R134a")) == 2
 
 
 def refused(points, fluid="R290"):
@@ -144,6 +167,6 @@ def test_points_that_give_no_law_are_refused_with_their_line(propane):
     assert refused((*points[:9], wrong, *points[10:])).startswith("line 11: has a pressure that the law fitted to all")
     liquid = points[3]._replace(p=1.01 * propane.p_sat(points[3].T))
     assert "line 5: 3.48733 bar is not below 3.4528 bar, at which R290 condenses at" in refused([liquid, *points])
-    hot = points[3]._replace(T=368.0)
+    hot = points[3]._replace(T=460.0)
     told = refused((hot, *points))
-    assert "line 5: 94.85 degC is outside" in told and "(write it in degC, or leave the row out)" in told
+    assert "line 5: 186.85 degC is outside" in told and "(write it in degC, or leave the row out)" in told

@@ -9,7 +9,7 @@ import pytest
 from scenes import closed, make
 
 from screwsim.cycle.continuation import Course
-from screwsim.cycle.surroundings import KnownSurroundings
+from screwsim.cycle.surroundings import NOTHING_LEARNT, KnownSurroundings
 from screwsim.cycle.trend import extrapolation_weights
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import case, load, with_values
@@ -161,10 +161,20 @@ def test_discharge_pressures_are_followed_although_the_loss_behind_adds_to_them(
     assert told[0] is None and told[1] is None and told[2] is not None
 
 
-def test_a_series_that_loses_an_unknown_forgets_what_it_learnt_with_it():
+def test_a_series_that_loses_an_unknown_forgets_what_it_learnt_with_it(monkeypatch):
     package = load(str(CONFIGS / "air" / "fixed_speed_7.yaml"))
     without = load(str(CONFIGS / "air" / "fixed_speed_7.yaml"), without=["air_package"])
+    begun, begin = [], KnownSurroundings.begin
+
+    def noted(self, unknowns):
+        begin(self, unknowns)
+        begun.append((unknowns, self.around is NOTHING_LEARNT))
+
+    monkeypatch.setattr(KnownSurroundings, "begin", noted)
     evaluations([package, package, without, package])
+    counts, forgotten = zip(*begun, strict=True)
+    assert counts[0] == counts[1] == counts[3] > counts[2]
+    assert forgotten == (True, False, True, True)
 
 
 def test_surroundings_are_expected_where_what_is_stated_leads():

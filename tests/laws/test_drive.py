@@ -12,6 +12,7 @@ from screwsim.build import build_parts
 from screwsim.cycle.balances import streams_of
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
+from screwsim.cycle.pitch import POINTS
 from screwsim.cycle.problem import ClosingTask, problem_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.inputs.faults import UsageError
@@ -320,7 +321,7 @@ def test_a_pumps_oil_goes_with_the_speed_in_a_start():
 
     def watched(*arguments):
         found = integrate(*arguments)
-        oil = streams_of(machinery.composition, found[3])[PORT_OIL, OF_OIL]
+        oil = streams_of(machinery.composition, found[-1])[PORT_OIL, OF_OIL]
         ratios.append(float(oil) / float(machinery.R[R_TRAPPED]))
         return found
 
@@ -364,6 +365,18 @@ def test_the_energy_of_a_start_closes():
     assert f.stored > 0.3 * f.motor_work > 0.0
     assert f.motor_work == pytest.approx(f.gas_work + f.loss_work + f.coupling_work + f.stored, rel=1e-5)
     assert f.residue < 1e-5
+
+
+def test_the_gas_torque_of_a_start_does_not_jump_where_a_pitch_ends():
+    """It begins at 0, as all chambers are at the suction line's pressure, and passes from pitch to pitch.
+
+    The first point of each pitch had the torque of that pitch's end: 53 N m at rest, and 14 N m too much a pitch later.
+    """
+    torque = started().traces["gas_torque"]
+    assert abs(torque[0]) < 1e-3 * torque.max()
+    first = np.arange(POINTS, len(torque) - 1, POINTS)
+    bend = torque[first] - 0.5 * (torque[first - 1] + torque[first + 1])
+    assert np.max(np.abs(bend)) < 2e-3 * torque.max()  # a trace's own curvature
 
 
 def test_the_traces_of_a_start_are_those_of_one_time():

@@ -97,6 +97,25 @@ def test_tables_keep_the_lengths_that_effects_take_from_the_profile(tmp_path):
     assert found["thermal_clearances"].parameters.axis_distance == pytest.approx(profile.centre_distance)
 
 
+SLIDE = "machine.slide_valve={{position: {}, travel: 90 mm, male_span: 70 deg, female_span: 60 deg}}"
+
+
+def test_tables_of_a_slide_at_full_load_leave_it_out(tmp_path):
+    scene = ideal(SLIDE.format(0), "effects.slide_valve={}")
+    assert "slide_valve" in scene.effects and "slide_valve" not in tabled(scene, tmp_path).effects
+
+
+def test_a_table_of_a_slot_ends_where_the_slot_does_whatever_zeros_follow(tmp_path):
+    """The volume ratio counts from there: with zeros to 899° it was that of an empty chamber."""
+    scene = ideal(SLIDE.format(0.5), "effects.slide_valve={}")
+    tabled(scene, tmp_path)
+    with open(tmp_path / "slide_valve.csv", "a", encoding="utf-8") as file:
+        file.write("899,0\n")
+    (slot,) = build_parts(load(tmp_path / "scene.yaml")).effects["slide_valve"]
+    laid = laid_curves(scene.machine)
+    assert max(slot.breakpoints) == pytest.approx(laid.born + laid.curves.compresses, abs=math.radians(1.1))  # a row
+
+
 def test_an_idle_chamber_keeps_its_charge(cycle):
     mass, angle = cycle.cycle["gas_mass"], cycle.cycle["angle"]
     laid = laid_curves(ideal().machine)

@@ -28,7 +28,7 @@ def test_a_machine_with_points_of_a_law_is_the_machine_with_that_law(scene, poin
     result, known = run({**scene, f"{SOLUBILITY}.points_file": points}), run(scene).performance
     assert result.status == "ok" and result.balance.entropy < 1e-4
     found = result.performance
-    assert 0.0 < found.solubility_misfit < 0.02
+    assert 0.0 < found.solubility_misfit < 0.06
     assert "solubility_misfit" not in known
     assert found.dissolved_gas_ratio == pytest.approx(known.dissolved_gas_ratio, rel=2.0 * found.solubility_misfit)
     assert found.isentropic_efficiency == pytest.approx(known.isentropic_efficiency, abs=5e-3)

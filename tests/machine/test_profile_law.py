@@ -2,6 +2,7 @@
 
 import gc
 import math
+import re
 import weakref
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,7 @@ import pytest
 from screwsim.build import build_parts
 from screwsim.effects import catalogue
 from screwsim.effects.base import FlowPath
-from screwsim.inputs.faults import UsageError
+from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.machine import laws, profile_law
 from screwsim.machine.profile_law import BEND, KINK, laid_curves
 from screwsim.machine.protocol import BLOW_HOLE
@@ -193,3 +194,22 @@ def test_of_many_profiles_no_more_are_kept_than_is_stated():
     alive = [sum(each() is not None for each in kind) for kind in zip(*made, strict=True)]
     assert alive[:3] == [MOST_CACHED] * 3  # the last ones, with their rotors and chains
     assert alive[3:] == [FEW] * 2
+
+
+@pytest.mark.parametrize(
+    ("window", "told"),
+    [
+        ("opens: 10 deg, closes: 50 deg", "lies before 54.84 deg, where the chamber's volume begins"),
+        ("opens: 700 deg, closes: 840 deg", "lies beyond 836.275 deg, where the chamber's volume ends"),
+        ("opens: 700 deg, closes: 901 deg", "lies beyond the chamber's life of 900 deg"),
+        ("opens: 500 deg, closes: 830 deg", None),
+    ],
+)
+@pytest.mark.parametrize("effect", ["oil_injection={", "economizer={temperature: 20 degC, area: 1 cm^2, "])
+def test_a_port_faces_a_chamber_only_while_it_has_a_volume(effect, window, told):
+    change = f"effects.{effect}{window}}}"
+    if told is None:
+        assert load(CONFIGS / "b.yaml", [change])
+        return
+    with pytest.raises(SceneError, match=re.escape(f".closes: {told}")):
+        load(CONFIGS / "b.yaml", [change])

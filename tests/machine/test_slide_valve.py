@@ -14,6 +14,7 @@ from screwsim.inputs.faults import SceneError
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.rotors.curves import closed_in
 from screwsim.scene import load
+from screwsim.scene.plausible import scene_warnings
 from screwsim.simulate import simulate_many
 
 ROTORS = Path(__file__).parents[2] / "configs" / "rotors"
@@ -210,3 +211,13 @@ def test_a_slide_needs_rotors():
         SceneError, match=re.escape("machine.slide_valve: needs rotors: machine.volume.law and machine")
     ):
         load(ROTORS.parent / "r134a" / "point.yaml", [slide(0.5)])
+
+
+def test_a_moved_slide_without_its_effect_is_warned_of():
+    """Its radial port moves, and no slot opens: the machine would keep its full flow at any position."""
+    moved = [slide(0.5)]
+    (warning,) = scene_warnings(load(ROTORS / "b.yaml", moved))
+    assert warning.startswith("machine.slide_valve.position: moves the radial port alone")
+    assert "write effects.slide_valve: {}" in warning
+    for changes in ([*moved, "effects.slide_valve={}"], [slide(0.0)]):
+        assert scene_warnings(load(ROTORS / "b.yaml", changes)) == ()

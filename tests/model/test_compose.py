@@ -136,3 +136,12 @@ def test_oil_is_injected_at_a_breakpoint():
 def test_texts_and_effects_call_the_lines_alike():
     """Texts are written by code that knows no effects: what it is made of is all in the digest by which it is kept."""
     assert network.SYMBOLS == base.LINES
+
+
+@pytest.mark.parametrize("opens", ["359.999999 deg", "360 deg", "360.000001 deg"])
+def test_a_step_ends_where_the_oil_comes_whatever_opens_beside_it(opens):
+    """Angles closer together than a step are one, and it is that of the injection, which would not be met otherwise."""
+    bore = {"source": "chamber", "opens": opens, "passage": "60 deg", "area": "1 mm^2"}
+    found = composition(effects__bypass=bore)
+    assert np.abs(found.breakpoints - 2.0 * np.pi).min() < 1e-9
+    assert np.diff(found.breakpoints).min() > 1e-7

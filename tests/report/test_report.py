@@ -33,7 +33,7 @@ from screwsim.outputs import Figures, Result
 from screwsim.report import cycle as cycle_figures
 from screwsim.report import ledger, maps, plot, samples, sweeps
 from screwsim.report.annotate import spread
-from screwsim.report.families import optimum, optimum_arc
+from screwsim.report.families import optimum, optimum_arc, outcome_family
 from screwsim.report.quantities import SPEED as SPEED_SHOWN
 from screwsim.report.quantities import shown_axis
 from screwsim.report.style import COLOURS, DOUBLE, MM, SINGLE, journal, line_style
@@ -158,6 +158,13 @@ def plotted(tmp_path_factory) -> tuple[Path, list[Path]]:
 def test_a_file_gives_the_figures_it_has_data_for(figures):
     names, found = figures
     assert list(found) == names
+
+
+def test_an_oil_ratio_is_an_outcome_where_it_follows_the_speed_and_not_where_it_is_stated(tmp_path):
+    of = outcome_family(open_results(file(tmp_path / "displaced.h5", SPEED)))
+    assert of is not None and of.x_axis.path == "operation.speed"
+    stated = SCENE + "sweep:\n" + SPEEDS
+    assert outcome_family(open_results(file(tmp_path / "pumped.h5", stated))) is None
 
 
 def test_a_package_is_drawn_over_its_speed_although_its_oil_ratio_follows(tmp_path):

@@ -208,6 +208,9 @@ NEWCOMERS = [
         "x.yaml:1:1: suction_port: is not known; there are machine.suction_port, effects.suction_port "
         "(write the whole path)",
     ),
+    ("model: ideal", "name: R134a", "x.yaml:13:3: gas.name: is not known; did you mean 'fluid'?"),
+    ("model: ideal", "refrigerant: R134a", "x.yaml:13:3: gas.refrigerant: is not known; did you mean 'fluid'?"),
+    ("title: example", "refrigerant: R134a", "x.yaml:1:1: refrigerant: is not known; did you mean 'gas.fluid'?"),
     ("model: ideal", "ratio: 3", "x.yaml:13:3: gas.ratio: is not known; did you mean 'oil_supply.ratio'?"),
     ("oil_supply:", "oil-supply:", "x.yaml:26:1: oil-supply: is not known; did you mean 'oil_supply'?"),
     (
@@ -386,6 +389,8 @@ def test_off_no_and_false_leave_an_effect_out(example, word):
     ("override", "line"),
     [
         ("speed=3000 rpm", "speed: is not known; did you mean 'operation.speed'?"),
+        ("gas.name=R290", "gas.name: is not known; did you mean 'fluid'?"),
+        ("oil.fluid=POE_68", "oil.fluid: is not known; did you mean 'name'?"),
         (
             "gap=5 um",
             "gap: is not known; there are effects.tip_leakage.gap, effects.interlobe_leakage.gap, "

@@ -71,7 +71,7 @@ def test_what_cannot_be_is_refused_at_its_path_with_a_remedy(override, what):
 
 HARDLY = {
     "oil_supply.temperature=200 K": "200 K is unusual (usual: at least 210 K)",
-    "operation.speed=20000 rpm": "moves the rotors' tips at 167.6 m/s (usual: at most 150 m/s)",
+    "operation.speed=20000 rpm": "moves the rotors' tips at 167.6 m/s (usual with oil: at most 80 m/s)",
     "effects.tip_leakage.gap=1.1 mm": "1.1 mm is unusual (usual: at most 1 mm)",
     "effects.tip_leakage.flow_coefficient=1.2": "1.2 is unusual (usual: at most 1)",
     "gas.isentropic_exponent=1.7": "1.7 is unusual (usual: at most 1.66667)",
@@ -91,6 +91,16 @@ def test_what_hardly_is_so_is_taken_and_warned_of_at_its_path(override, what):
     assert warning.startswith(f"{override.partition('=')[0]}: ")
     assert what in warning
     assert "\n" not in warning
+
+
+@each_row(("oil", "tip_speed", "usual"), [(True, 79, None), (True, 100, 80), (False, 100, None), (False, 160, 150)])
+def test_tips_are_usually_slower_with_oil_than_without(oil, tip_speed, usual):
+    dry = [] if oil else ["oil=null", "oil_supply=null", "effects=null"]
+    speed = ["operation.speed=null", f"operation.tip_speed={tip_speed} m/s"]
+    told = scene_warnings(load(CONFIGS / "paper" / "point.yaml", overrides=[*dry, *speed]))
+    (fast,) = [line for line in told if "tips at" in line] or [""]
+    assert ("usual with oil" in fast) == (oil and usual is not None)
+    assert (f"at most {usual} m/s" in fast) == bool(fast) == (usual is not None)
 
 
 @each_row(
@@ -159,6 +169,20 @@ def test_a_volume_that_goes_to_and_fro_from_row_to_row_is_warned_of(tmp_path):
     (warning,) = rough(tmp_path, TEETH)
     assert warning.startswith("machine.volume.file: the slope of the volume jumps back and forth from row to row, at ")
     assert "a smoother table" in warning
+
+
+@pytest.mark.parametrize(("top", "share"), [(420, "95.0%"), (240, "85.4%")])
+def test_a_table_whose_angles_begin_elsewhere_is_warned_of(tmp_path, top, share):
+    """What lies at 360 deg counts as trapped, whatever the chamber does there."""
+
+    def largest_at(top):
+        return np.interp(np.interp(ANGLES, (0.0, top, 720.0), (0.0, 360.0, 720.0)), ANGLES, SMOOTH)
+
+    (warning,) = rough(tmp_path, largest_at(top))
+    told = f"machine.volume.file: the volume of the table is largest at {top} deg, and {share} of that at 360 deg, "
+    assert warning.startswith(told)
+    assert "machine.volume.injection_angle" in warning
+    assert rough(tmp_path, largest_at(370.0)) == rough(tmp_path, largest_at(320.0)) == ()
 
 
 def test_a_table_that_is_scaled_to_another_size_is_warned_of(tmp_path):

@@ -41,6 +41,7 @@ def test_a_path_of_the_machine_can_be_swept():
         ("bore: 50 mm", "bore: 50 mm, male_lobes: 4", "machine.male_lobes: is not known"),
         ("kind: slider_crank", "kind: spiral", "choose from: twin_screw, slider_crank"),
         ("rod_length: 90 mm", "rod_length: 19 mm", "the crank cannot turn"),
+        ("rod_length: 90 mm", "rod_length: 25 mm, offset: 8 mm", "are not below the rod length of 25 mm"),
         ("effects:", "oil: {density: 900 kg/m^3, heat_capacity: 2 kJ/(kg K)}\neffects:", "no oil is injected"),
         ("effects:\n", "effects:\n  blow_hole: {area: 1 mm^2}\n", "applies only to machine.kind: twin_screw"),
         ("effects:\n", "effects:\n  ring_leakage: {}\n", "effects.ring_leakage.gap: is missing"),

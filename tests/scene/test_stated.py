@@ -291,6 +291,11 @@ REMOVE = "remove one of the two; null drops a base's value"
         ),
         (
             PAPER,
+            ["machine.volume.max=null"],
+            "machine.volume.max: is missing (write e.g. max: 500 cm^3; swept volume of one chamber)",
+        ),
+        (
+            PAPER,
             ["operation.ambient_pressure=0.1 bar(g)"],
             "operation.ambient_pressure: '0.1 bar(g)' is a gauge pressure (write the absolute pressure, e.g. '2 bar')",
         ),

@@ -173,6 +173,15 @@ def test_a_tolerance_that_does_not_go_with_a_value_of_the_sweep_is_told(toleranc
     assert str(error.value).startswith(f"--set {GAP}={tolerance}")
 
 
+def test_a_tolerance_holds_at_every_value_of_the_sweep_but_a_share_of_nothing_is_none():
+    assert read(f"{GAP}=27 um ± 5 um", f"sweep.{GAP}=[10 um, 27 um]").uncertain[GAP].size == pytest.approx(5e-6)
+    superheat = "operation.suction.superheat"
+    with pytest.raises(SceneError) as error:
+        read("operation.suction.temperature=null", f"{superheat}=10 K ± 10 %", f"sweep.{superheat}=[0 K, 10 K]")
+    told = "has a tolerance that is 0 at the value 0 K of the sweep (write ± with a unit)"
+    assert error.value.lines == [f"--set {superheat}=10 K ± 10 %: {superheat}: {told}"]
+
+
 def test_a_share_is_that_of_every_value_and_another_tolerance_the_same_for_all():
     share, half, factor = Tolerance(1.0, percent=10.0), Tolerance(1.0), Tolerance(2.0, factor=True)
     assert [each.around(4.0).size for each in (share, half, factor)] == [pytest.approx(0.4), 1.0, 2.0]

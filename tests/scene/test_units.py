@@ -53,6 +53,8 @@ def test_usual_units_are_read(kind, text, value):
         ("temperature_difference", "18 delta_degF", 10.0),
         ("temperature_difference", "18 degR", 10.0),
         ("heat_capacity", "1 cal/(g K)", 4184.0),
+        *(("volume_flow", f"350 {unit}", 350.0 * 0.3048**3 / 60.0) for unit in ("ft^3/min", "cfm", "CFM", "acfm")),
+        ("displacement", "350 acfm", 350.0 * 0.3048**3 / 60.0),
     ],
 )
 def test_other_units_are_read_with_pint(kind, text, value):
@@ -107,7 +109,12 @@ def test_other_units_are_read_with_pint(kind, text, value):
             "3000 1/min",
             "'3000 1/min' is ambiguous: turns or radians (write rpm, rev/s or rad/s, e.g. '3000 rpm')",
         ),
-        ("displacement", "350 CFM", "'350 CFM' is not a displacement (write '350 ft^3/min')"),
+        (
+            "displacement",
+            "350 ICFM",
+            "'350 ICFM' counts gas at a compressor's inlet (write acfm, where that is the state of this flow)",
+        ),
+        ("displacement", "350 lpm", "'350 lpm' is not a displacement (write '350 L/min')"),
         ("speed", "3000 U/min", "'3000 U/min' is not a speed (write '3000 rpm')"),
         ("power", "200 HP", "'200 HP' is not a power (write '200 hp')"),
         ("power", "100 tons", "'100 tons' is not a power (write '100 refrigeration_ton')"),

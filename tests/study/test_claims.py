@@ -9,7 +9,7 @@ import pytest
 
 from screwsim.results import open_results
 from screwsim.scene import load
-from screwsim.study.claims import claims, curve_optimum, main, table, value_at
+from screwsim.study.claims import DisplacementCurve, claims, curve_optimum, displaced_point, main, table, value_at
 from screwsim.study.sweep import run_sweep
 
 PAPER = Path(__file__).resolve().parents[2] / "configs" / "paper"
@@ -61,6 +61,13 @@ def test_optimum_at_an_end_is_not_interior():
 
 def test_value_outside_the_curve_is_none():
     assert value_at(np.array([1.0, 2.0]), np.array([0.5, 0.6]), 3.0) is None
+
+
+def test_the_point_of_displaced_oil_is_told_with_its_bore():
+    speeds, ratio, efficiency = (np.array(each) for each in ([500.0, 1e3, 2e3], [6.0, 3.0, 1.5], [0.5, 0.44, 0.3]))
+    claim = displaced_point(DisplacementCurve(2.5e-3, speeds, ratio, efficiency))
+    assert claim.found == "bore 2.5 mm: 44.0% at 1000 rpm, where d = 3, 44.0% at 1000 rpm, where d = 3.00"
+    assert claim.verdict == "calibrated"
 
 
 def test_files_that_are_not_both_sweeps_are_told(figures, capsys):

@@ -50,6 +50,18 @@ def test_a_bar_is_drawn_in_one_place_and_ends_with_what_was_done():
     assert "a &lt;sweep&gt;" in html and '<progress max="40" value="40"' in html and "40 of 40, 1 not ok" in html
 
 
+@pytest.mark.parametrize(
+    ("seconds", "told"), [(99.4, "99 s"), (100.0, "2 min"), (5990.0, "100 min"), (6000.0, "1.7 h"), (9000.0, "2.5 h")]
+)
+def test_the_time_left_is_told_in_the_unit_of_its_size(seconds, told):
+    drawn, now = [], [0.0]
+    bar = NotebookBar("sweep", lambda **drawing: drawn.append(drawing), every=0.0, clock=lambda: now[0])
+    bar.start(2, 0)
+    now[0] = seconds
+    bar.advance(1, 0)
+    assert texts(drawn)[-1].endswith(f" points/s, {told} left")
+
+
 def test_a_bar_is_not_drawn_for_every_case():
     drawn = []
     bar = NotebookBar("sweep", publish=lambda **drawing: drawn.append(drawing), every=1e9)

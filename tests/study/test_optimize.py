@@ -585,6 +585,12 @@ def test_an_approach_of_nothing_is_refused(chilled):
         read_points(cold, "ESEER")
 
 
+def test_a_gas_cooler_has_no_condensing_temperature_and_so_no_seasonal_figure():
+    cooled = screwsim.load(FIG1.parents[1] / "co2" / "transcritical.yaml")
+    with pytest.raises(UsageError, match=r"^--over SEPR: needs operation.evaporating_temperature and operation.cond"):
+        read_points(cooled, "SEPR")
+
+
 def test_a_path_of_the_points_is_not_varied(chilled):
     with pytest.raises(UsageError, match="is also set by the operating points of --over"):
         question(chilled, ["operation.condensing_temperature=30 degC..50 degC"], ["cop"], over="SEPR")

@@ -15,6 +15,8 @@ from screwsim.outputs.display import MOST_COLUMNS, MOST_HTML_ROWS, MOST_ROWS, Ab
 from screwsim.results import open_results, save
 from screwsim.scene import loads
 from screwsim.study.calibration import calibrate, read_fit
+from screwsim.study.calibration.diagnosis import diagnose
+from screwsim.study.calibration.plan import candidates_of, plan
 from screwsim.study.optimize import optimize
 from screwsim.study.seek import find, find_each, question
 from screwsim.study.sweep import run_sweep
@@ -142,6 +144,25 @@ def test_a_calibration_tells_the_standard_errors_that_the_command_prints(tmp_pat
     assert error is not None
     (row,) = (row for row in lines_of(found) if row.startswith("effects.tip_leakage.gap"))
     assert f"{100.0 * error * found.scale / value:.2g} %" in row
+
+
+def test_a_diagnosis_tells_its_hypotheses_the_most_probable_first_and_that_none_fits(tmp_path):
+    bent = POINTS.replace("5.2,0.1", "5.7,0.01")
+    found = diagnose(read_fit(write_fit(tmp_path, points=bent), fixed=False), jobs=1, simulate=plane)
+    first, title, none, head, *rows = lines_of(found)
+    assert first == "Diagnosis: ok; 3 points" and title == found.fit.title and none.startswith("nothing fits: ")
+    assert head.split() == ["changed", "probability", "now", "chi²"]
+    assert [row.split("  ")[0] for row in rows] == [each.path or "nothing" for each in found.hypotheses]
+    best = found.hypotheses[0]
+    assert f"{100.0 * best.probability:.3g} %" in rows[0] and rows[0].endswith(f"{best.misfit:.3g}")
+
+
+def test_a_plan_tells_the_points_in_their_order(tmp_path):
+    fit = read_fit(write_fit(tmp_path), fixed=False)
+    found = plan(fit, candidates_of(fit, paths=["operation.speed=1000 rpm..4000 rpm"]), count=2, jobs=1, simulate=plane)
+    first, _, _, *rows = lines_of(found)
+    assert first == "Plan: ok; 2 of 4 candidates"
+    assert [row.rsplit(maxsplit=1) for row in rows] == [[one.point.name, f"{one.gain:.3f}"] for one in found.steps]
 
 
 def test_sensitivities_tell_the_largest_first_in_percent_per_percent():

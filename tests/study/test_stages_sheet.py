@@ -209,6 +209,15 @@ def test_a_packages_figures_are_those_of_iso_1217(package):
     assert 0.0 < found.error.package_specific_power < 3e-4
 
 
+def test_the_second_stage_alone_has_no_figure_of_free_air_as_it_draws_in_what_the_first_has_compressed(tmp_path):
+    low, high = (each | {"effects.air_package": {"rated_flow": "20 m^3/min"}} for each in (AIR_LOW, AIR_HIGH))
+    found = run_stages(read_stages(written(tmp_path, low, high)))
+    first, second = found.stages
+    assert first.performance.free_air_delivered == pytest.approx(found.performance.free_air_delivered, rel=1e-12)
+    for name in ("free_air_delivered", "package_specific_power"):
+        assert second.performance[name] is None and "both stages together" in second.notes[name]
+
+
 @pytest.mark.parametrize("control", ["flow", "constant"])
 def test_the_fan_is_told_as_it_is_controlled(tmp_path, control):
     low = AIR_LOW | {"effects.air_package": {"rated_flow": "20 m^3/min", "fan": {"power": "1 kW", "control": control}}}

@@ -50,6 +50,21 @@ def test_two_phases_are_followed_but_of_a_mixture_described_as_if_pure(fluid, fo
     assert scene.gas.equilibrium == followed
 
 
+@pytest.mark.parametrize("fluid", ["R410A", "R404A", "R407C"])
+@pytest.mark.parametrize("condition", [(-40, 40), (-20, 40)])
+def test_a_mixture_described_as_if_pure_is_its_blend_where_what_is_kept_at_the_discharge_end_expands_into_the_dome(
+    fluid, condition
+):
+    """Gas that leaves at 75 °C, expanded by CoolProp at its entropy from the bubble point's pressure to the suction."""
+    low, high = (273.15 + each for each in condition)
+    p_s, p_d = PropsSI("P", "T", low, "Q", 1, fluid), PropsSI("P", "T", high, "Q", 0, fluid)
+    wet = PropsSI("S", "T", 348.15, "P", p_d, fluid) < PropsSI("S", "P", p_s, "Q", 1, fluid)
+    text = new_scene("refrigeration", request_of(fluid=fluid, condition="{}/{} degC".format(*condition)))
+    gas = screwsim.loads(text).gas
+    assert (gas.name, gas.equilibrium) == (f"{fluid}.mix" if wet else fluid, wet)
+    assert (f"# {fluid} as its blend in equilibrium" in text) == wet
+
+
 @pytest.mark.parametrize("kind", ["refrigeration", "heat_pump", "reciprocating"])
 def test_the_condensing_temperature_of_a_mixture_described_as_if_pure_is_told_to_be_its_bubble_point(kind):
     told = "# bubble point; of fluid: {}.mix it is the dew point, as on makers' sheets"
@@ -189,6 +204,7 @@ def test_a_package_of_a_small_pressure_rise_has_a_motor_that_takes_its_load_and_
         ("heat_pump", {"fluid": "Cyclopentane", "condition": "80/130 degC"}),
         ("refrigeration", {"fluid": "R449A", "condition": "-35/40 degC"}),
         ("refrigeration", {"fluid": "R454B", "condition": "-40/35 degC"}),
+        ("refrigeration", {"fluid": "R410A", "condition": "-40/40 degC"}),
         ("heat_pump", {"fluid": "R1234ze(E)", "condition": "10/108 degC"}),
         ("refrigeration", {"fluid": "R407C", "condition": "-40/35 degC", "displacement": "100 m^3/h"}),
         ("refrigeration", {"fluid": "R134a", "condition": "-30/45 degC", "displacement": "100 m^3/h"}),
@@ -204,7 +220,7 @@ def test_a_package_of_a_small_pressure_rise_has_a_motor_that_takes_its_load_and_
 def test_templates_that_had_no_solution_or_warned_run(kind, stated):
     """A ratio far from the pressures', a thermostat above what leaves, oil below the dew or hot, deep freezing,
     wet steam or inlet, no transport, oil films that take more than a vacuum pump, a name that begins with a digit,
-    gas that gets wet halfway or as it expands through a valve."""
+    gas that gets wet halfway, as it expands through a valve or from the dead volume."""
     figures(kind, **stated)
 
 

@@ -2,7 +2,7 @@
 
 from screwsim.build.own_modules import faults_of_own, module_to_blame
 from screwsim.build.parts import WIDTH, build_parts, parts_of, prepare, regularisation
-from screwsim.build.parts_cache import PartsCache, build_gas, build_site
+from screwsim.build.parts_cache import PartsCache, build_gas, build_site, surroundings_of
 from screwsim.build.temperatures import (
     Temperatures,
     completed,

@@ -23,7 +23,16 @@ from screwsim.cli.declare import Command, summary
 from screwsim.cli.export import app as export_app
 from screwsim.cli.machine import datasheet, startup
 from screwsim.cli.new import new
-from screwsim.cli.options import BAD_SCENE, INTERNAL, INTERRUPTED, OK, USAGE, print_error
+from screwsim.cli.options import (
+    BAD_SCENE,
+    INTERNAL,
+    INTERRUPTED,
+    OK,
+    USAGE,
+    print_error,
+    tell_with_interruption,
+    told_with_interruption,
+)
 from screwsim.inputs.faults import SceneError, UsageError, in_one_line
 from screwsim.inputs.suggestions import nearest
 from screwsim.screen import say
@@ -93,6 +102,7 @@ _NAMES = {*map(_name, app.registered_commands), *(group.name for group in app.re
 
 def exit_code(arguments: Sequence[str]) -> int:
     """Run a command; print errors on stderr, and return the exit code."""
+    tell_with_interruption("")
     try:
         # typer's own error handling would exit with other codes
         named = arguments[0] if arguments and arguments[0] in _NAMES else ""
@@ -104,7 +114,8 @@ def exit_code(arguments: Sequence[str]) -> int:
         outcome = INTERRUPTED if process.interrupted() else _print_fault(error, arguments)
     process.settle()
     if process.interrupted() or outcome == INTERRUPTED:  # other code may have swallowed the exception
-        return print_error(f"interrupted{_how_to_resume(arguments)}", INTERRUPTED)
+        done = told_with_interruption()
+        return print_error(f"interrupted; {done}" if done else f"interrupted{_how_to_resume(arguments)}", INTERRUPTED)
     return outcome if isinstance(outcome, int) else OK
 
 

@@ -48,7 +48,7 @@ def _announce_map(scene: Varied, inputs: Sequence[Input]) -> None:
         others = (f"{path} {shown_range(scene, path, values[0], values[-1])}" for path, _, values in one.follows)
         together = " with ".join((shown_range(scene, one.path, one.low, one.high), *others))
         ranges.append(f"{one.name} {together}")
-    typer.echo(f"export: simulating a map over {', '.join(ranges)}", err=True)
+    say(f"export: simulating a map over {', '.join(ranges)}", err=True)
 
 
 def _announced_after(check: Callable[[Varied, Sequence[Input]], object]) -> Callable[[Varied, Sequence[Input]], None]:
@@ -216,14 +216,14 @@ def tespy(
     rows = [(each["at"], [each["largest_error"][name] for name in FIGURES]) for each in document["maps"]]
     errors = [tuple(each["errors_by_dissipation_ratio"].values()) for each in document["maps"]]
     kelvin, heat = map(max, zip(*errors, strict=True))
-    typer.echo(
+    say(
         "export: TESPy loses one share of the power as heat at all points of a map; that puts the temperature of the "
         f"leaving gas up to {kelvin:.2g} K off, the condenser's heat up to {100.0 * heat:.2g} %",
         err=True,
     )
     if any(sum(each["dissipation_ratio_range"]) < 0.0 for each in document["maps"]):
         why = "TESPy ignores heat added to the gas, e.g. by a motor, so its discharge temperature is too low"
-        typer.echo(f"export: {why} (dissipation_ratio_range: as a share of the power)", err=True)
+        say(f"export: {why} (dissipation_ratio_range: as a share of the power)", err=True)
     return _print_polynomials_and_files(document, FIGURES, rows, [_write_content(output, document)], as_json)
 
 
@@ -284,7 +284,7 @@ def en12900(
         optional = (name for name in made_for.OPTIONAL_FIGURES if name in results.figures)
         found = polynomials(results, [*made_for.FIGURES, *optional])
     if other := made_for.other_condensing(found):
-        typer.echo(f"export: {other}", err=True)
+        say(f"export: {other}", err=True)
     document = made_for.en12900_document(found, ip)
     file = _write_content(output, made_for.en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
     return _print_polynomials_and_files(document, list(found.units), _polynomial_errors(found), [file], as_json)
@@ -323,7 +323,7 @@ def loads(
         return options.print_error(f"{source}: {result.told}", NOT_ALL_OK)
     found = loads(scene, result, spans, through)
     if found.without:
-        typer.echo(f"export: {found.without}", err=True)
+        say(f"export: {found.without}", err=True)
     files = write_loads(scene, result, found, output, steps or REVOLUTION_STEPS)
     print_document_or_text(as_json, loads_document, print_loads, found, result, files)
     options.tell_left(output, files, "forces*.csv", "*_rotor.xdmf", "*_rotor.h5")
@@ -341,7 +341,7 @@ def _print_polynomials_and_files(
     from screwsim.printing.export import print_polynomials
 
     for text in document.get(MISSING, ()):
-        typer.echo(f"export: {text}", err=True)
+        say(f"export: {text}", err=True)
     whole = {**document, "files": files}
     print_document_or_text(as_json, lambda *_: whole, print_polynomials, document, figures, rows, files)
     return OK

@@ -3,8 +3,6 @@
 from pathlib import Path
 from shlex import quote
 
-import typer
-
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
 from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, RESULTS_FILE, SCENE_FILE, WITHOUT
@@ -27,7 +25,7 @@ def rotors(
 
     text = table_text(scene)
     for warning in (each for each in scene_warnings(scene) if each.startswith("machine.")):
-        typer.echo(f"warning: {warning}", err=True)
+        say(f"warning: {warning}", err=True)
     files = write(scene, folder) if folder is not None else []
     if as_json:
         print_json(document(scene, files))
@@ -90,7 +88,7 @@ def scene(
     if output is None:
         say("\n".join(f"# {file}\n{text}" if file else text for file, text in scenes.items()).rstrip("\n"))
         if len(scenes) > 1:
-            typer.echo("scene: these are several files (-o NAME.stages.yaml writes all, to be simulated)", err=True)
+            say("scene: these are several files (-o NAME.stages.yaml writes all, to be simulated)", err=True)
         return
     places = {output.with_name(file or output.name): text for file, text in scenes.items()}
     if len(places) < len(scenes):

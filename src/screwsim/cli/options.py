@@ -9,10 +9,9 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any, TypeVar
 
-import typer
-
 from screwsim.cli.declare import CHANGES, argument, option, switch
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import counted
 from screwsim.screen import say
 
 if TYPE_CHECKING:
@@ -27,6 +26,8 @@ OK, INTERNAL, USAGE, BAD_SCENE, NOT_ALL_OK, INTERRUPTED = 0, 1, 2, 3, 4, 130
 RESULTS = (".h5", ".hdf5", ".hdf", ".nc", ".nc4")  # HDF5, and netCDF-4, which is HDF5
 PAGES = (".html", ".htm")
 FILES = {*RESULTS, *PAGES, ".csv", ".json", ".yaml", ".yml", ".png", ".pdf", ".svg", ".txt", ".md", ".xlsx", ".dxf"}
+
+_done = ""  # what the interrupted command had done
 
 
 SCENE_FILE = argument("SCENE", "The scene, a YAML file.")
@@ -83,9 +84,20 @@ def progress_bar(title: str = "sweep", names: Sequence[str] = ()) -> Progress:
     return for_terminal(title, names)
 
 
+def tell_with_interruption(done: str) -> None:
+    """State what the command has done, for the one line that ends it where it is interrupted."""
+    global _done
+    _done = done
+
+
+def told_with_interruption() -> str:
+    """Return what the command has done; empty where it stated nothing."""
+    return _done
+
+
 @contextlib.contextmanager
 def counted_progress(title: str, what: str) -> Iterator[Progress]:
-    """Give a progress display; after Ctrl-C, say on stderr how much was done, in a word for the points (`machines`)."""
+    """Give a progress display; the line after Ctrl-C has how many were done, in a word for the points (`machines`)."""
     from screwsim.study.pool.progress import CountingProgress
 
     shown = progress_bar(title)
@@ -96,7 +108,7 @@ def counted_progress(title: str, what: str) -> Iterator[Progress]:
         done, there_are = counted.counts
         if done:
             kept = "none is kept, and the same command begins anew"
-            print_error(f"{title}: {done} of {there_are} {what} were done; {kept}", INTERRUPTED)
+            tell_with_interruption(f"{title}: {done} of {there_are} {what} were done; {kept}")
         raise
 
 
@@ -232,10 +244,9 @@ def report_ignored_sweep(scene: Swept, whose: str, remedy: str) -> None:
     """Report on stderr that a command ignores the sweep of a scene, if there is one."""
     from screwsim.scene import case_count
 
-    count = case_count(scene)
     if scene.sweep:
-        cases = f"{count} case{'s' if count != 1 else ''}"
-        typer.echo(f"{whose} sweep of {cases} is ignored, and the scene's own point is used ({remedy})", err=True)
+        cases = counted(case_count(scene), "case")
+        say(f"{whose} sweep of {cases} is ignored, and the scene's own point is used ({remedy})", err=True)
 
 
 def print_error(text: str, code: int) -> int:

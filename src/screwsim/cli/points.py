@@ -100,7 +100,7 @@ def _simulated(scene: Scene, left_out: Sequence[LeftOut], traced: bool) -> Resul
         from screwsim.study.knock_out import knock_out
 
         names = [f"without {each.name}" for each in left_out]
-        result = knock_out(scene, result, options.progress_bar("knock-out", names), left_out)
+        result = knock_out(scene, result, left_out, options.progress_bar("knock-out", names))
     if scene.uncertain or scene.model_error:
         from screwsim.study.uncertainty.point import with_uncertainty
 

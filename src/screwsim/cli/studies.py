@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-import typer
-
 from screwsim.cli import options
 from screwsim.cli.declare import File, Text, Texts, argument, option, switch
 from screwsim.cli.options import AS_JSON, JOBS, NOT_ALL_OK, OK, OVERRIDES, SCENE_FILE, WITHOUT
@@ -46,7 +44,7 @@ def optimum(
     asked = question(scene, path, figure, minimum=minimum, first=first, last=last)
     options.check_columns(output, "optimum of", "accuracy", "solutions", "failed_solutions", "place")
     if figure is None and (told := efficiency_note(scene)):
-        typer.echo(f"optimum: {told}", err=True)
+        say(f"optimum: {told}", err=True)
     with options.counted_progress("optimum", "rows") as shown:
         rows = found(scene, asked, jobs=jobs, progress=shown)
     printed = partial(print_optimum, changed=options.changes(overrides, without))
@@ -140,7 +138,7 @@ def sensitivity(
     samples = usual_samples(len(ranges)) if samples is None else samples
     check_samples(len(ranges), samples)
     if not names and (told := efficiency_note(scene)):
-        typer.echo(f"sensitivity: {told}", err=True)
+        say(f"sensitivity: {told}", err=True)
     if sys.stderr.isatty():
         print_text(f"sensitivity: {cost_in_words(len(ranges), samples)}", err=True)
     with options.counted_progress("sensitivity", "solutions") as shown:
@@ -281,7 +279,7 @@ def calibrate(
         options.print_files(files, as_json)
         options.tell_left(folder, files, f"{PAIRS}.*", PREDICTED)
     if found.status == "interrupted":
-        say(f"calibrate: {found.message}", err=True)
+        options.tell_with_interruption(f"calibrate: {found.message}")
         return options.INTERRUPTED
     statuses = [found.status, *([] if wide is None else [wide.status])]
     if wide is not None and wide.predictions is not None:

@@ -122,13 +122,12 @@ def net_into(problem: Problem, life: Trajectory, q: Array, line: int) -> float:
 
 
 def gap_flow_compensation(problem: Problem, life: Trajectory, opens: float, closes: float) -> tuple[float, float]:
-    """Return the gas [kg/life] by which a plenum's port compensates disagreeing gap flows, and the part that crosses.
+    """Return by how much both sides of gaps disagree [kg/life] while a plenum's port is open, and the early part of it.
 
-    Flows through gaps are integrated twice, by the chamber ahead and by the one behind. Where the two disagree
-    while a port holds the pressure, the port gives or takes the difference. The first number sums both sides; the
-    second is the part ahead of the angle at which chambers leave the suction line. Where the chamber ahead is open
-    to the discharge line, that line compensates instead. When a turn integrates all chambers, both agree to
-    rounding.
+    Flows through gaps are integrated twice, by the chamber ahead and by the one behind. While a port holds the
+    pressure, it makes good the difference. The first number sums both sides; the second is the part before chambers
+    leave the suction line. Where the chamber ahead is open to the discharge line, that line makes it good instead. When
+    all chambers are integrated together, both sides agree to rounding.
     """
     c, geometry, at = problem.composition, problem.parts.geometry, problem.parted or 0.0
     pitch, ahead_until = geometry.pitch, geometry.discharge_opens or geometry.life

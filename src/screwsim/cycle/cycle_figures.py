@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
+from screwsim.build import surroundings_of
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import incoming_oil, injection_pressure, outflow_of, streams_of, wall_drag_work
 from screwsim.cycle.pitch import Pitch, pitch_of
@@ -19,6 +20,8 @@ from screwsim.model.slots import PORT_STATE, PRESSURE, Q_WORK, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.frozen import fast_init
 
+ViscosityAt = Callable[[float], float | None]
+
 
 @fast_init
 @dataclass(frozen=True)
@@ -30,7 +33,7 @@ class CycleFigures:
     indicated_power: float
     oil_mass_flow: float
     oil_volume_flow: float
-    oil_viscosity: float | None
+    oil_viscosity: float | None  # of pure oil
     injection_pressure: float
     delivery_pressure: float  # mean pressure to which a pump lifts the oil, without the loss of its line (M31, M255)
     oil_source_pressure: float
@@ -38,7 +41,7 @@ class CycleFigures:
     plenum_pressure: float  # mean pressure behind the discharge port, in its plenum or the line
     oil_temperature: float | None
     oil_discharge_temperature: float | None
-    oil_viscosity_at: Callable[[float], float | None]
+    oil_viscosity_at: ViscosityAt  # of pure oil
     oil_density_at: Callable[[float], float | None]
     pitch: Callable[[], Pitch]
     set_speed: float | None = None  # stated in the scene; omega where it is constant
@@ -57,6 +60,8 @@ class CycleFigures:
     suction_density: float = 0.0  # of the gas in the suction line
     theoretical_torque: Callable[[], float] | None = None  # [N m] of the whole displacement without loss (M460)
     fluid: str = ""
+    film_viscosity_at: ViscosityAt = lambda T: None  # of oil with what it holds dissolved (M199)
+    supply_viscosity: float | None = None  # the same of the oil that is supplied
     found: Mapping[str, Any] = field(default_factory=dict)  # the figures known so far
 
 
@@ -94,13 +99,14 @@ def cycle_figures(
     oil_flow = incoming_oil(problem, life.R, q) * rate if parts.oil is not None else 0.0
     leaked = suction_line.leak(problem, life.R).oil * rate / parts.oil.density if parts.oil is not None else 0.0
     taken_in = problem.inlet.density * parts.geometry.swept_volume / parts.geometry.pitch  # [kg/rad], at best
+    pure, film, supply = _viscosities(problem)
     return CycleFigures(
         omega=parts.omega,
         tip_speed=parts.geometry.settings.surface_speed(parts.omega),
         indicated_power=float(q[Q_WORK]) * rate,
         oil_mass_flow=oil_flow,
         oil_volume_flow=oil_flow / parts.oil.density if parts.oil is not None else 0.0,
-        oil_viscosity=oil.at(T_oil).viscosity if oil is not None and T_oil is not None else None,
+        oil_viscosity=pure(T_oil) if T_oil is not None else None,
         injection_pressure=p_injection,
         delivery_pressure=p_delivery,
         oil_source_pressure=p_source,
@@ -108,7 +114,7 @@ def cycle_figures(
         plenum_pressure=chamber_end_pressure(problem, life, DISCHARGE) or problem.lines.p_d,
         oil_temperature=T_oil,
         oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,
-        oil_viscosity_at=lambda T: oil.at(T).viscosity if oil is not None else None,
+        oil_viscosity_at=pure,
         oil_density_at=lambda T: oil.at(T).density if oil is not None else None,
         pitch=pitch or lazy_pitch(problem, life, q),
         set_speed=parts.omega if parts.set_speed is None else parts.set_speed,
@@ -121,7 +127,30 @@ def cycle_figures(
         suction_density=problem.inlet.density,
         theoretical_torque=lambda: taken_in * (problem.h_isentropic - problem.inlet.enthalpy),  # (M460)
         fluid=problem.scene.gas.name,
+        film_viscosity_at=film,
+        supply_viscosity=supply(T_oil) if T_oil is not None else None,
     )
+
+
+def _viscosities(problem: Problem) -> tuple[ViscosityAt, ViscosityAt, ViscosityAt]:
+    """Return viscosities [Pa s] over T [K]: of pure oil, of oil in films and of supplied oil with what they hold."""
+    oil, thinning = problem.scene.oil, problem.parts.oil_thinning
+
+    def pure(T: float) -> float | None:
+        return oil.at(T).viscosity if oil is not None else None
+
+    if thinning is None:
+        return pure, pure, pure
+    around = surroundings_of(problem.scene, problem.lines)
+
+    def thinned(by: Callable[[Any, float, float], float]) -> ViscosityAt:
+        def viscosity(T: float) -> float | None:
+            mu = pure(T)
+            return None if mu is None else by(around, T, mu)
+
+        return viscosity
+
+    return pure, thinned(thinning.films), thinned(thinning.supply)
 
 
 def chamber_end_pressure(problem: Problem, life: Trajectory, to: str) -> float | None:

@@ -261,7 +261,7 @@ def _set_line(problem: Problem, R: Array, plenum: Array) -> None:
         R[R_DISCHARGE + OIL_RATIO], R[R_DISCHARGE + OIL_TEMPERATURE] = plenum[AT_RATIO], plenum[AT_TEMPERATURE]
         R[R_DISCHARGE + DISSOLVED : R_DISCHARGE + DISSOLVED + len(plenum) - AT_HELD] = plenum[AT_HELD:]
         if port_state is not None:
-            R[R_DISCHARGE + DENSITY] *= problem.gas_share(port_state[DENSITY], float(plenum[AT_RATIO])) ** 2
+            R[R_DISCHARGE + DENSITY] = problem.density_in_flow(port_state[DENSITY], float(plenum[AT_RATIO]))
 
 
 def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float, h_d: float | None = None) -> None:
@@ -282,9 +282,9 @@ def set_lines(problem: Problem, machinery: Machinery, T_d: float, d: float, h_d:
     if arriving > 0.0:  # (M490)
         R[R_SUCTION + OIL_RATIO] = arriving
         R[R_SUCTION + OIL_TEMPERATURE] += problem.oil_pressure_term(problem.suction.pressure)
-        R[R_SUCTION + DENSITY] *= problem.gas_share(float(R[R_SUCTION + DENSITY]), arriving) ** 2
+        R[R_SUCTION + DENSITY] = problem.density_in_flow(float(R[R_SUCTION + DENSITY]), arriving)
     R[R_DISCHARGE : R_DISCHARGE + UP_TO_OIL] = *discharge, d, T_oil + problem.oil_pressure_term(p_d)
-    R[R_DISCHARGE + DENSITY] *= problem.gas_share(float(R[R_DISCHARGE + DENSITY]), d) ** 2
+    R[R_DISCHARGE + DENSITY] = problem.density_in_flow(float(R[R_DISCHARGE + DENSITY]), d)
     if isinstance(parts.oil_content, OilSolution):
         R[R_DISCHARGE + DISSOLVED] = R[R_SUCTION + DISSOLVED] = parts.oil_content.supply
     for i, state in enumerate(parts.plenums.values(), FIRST_OWN):

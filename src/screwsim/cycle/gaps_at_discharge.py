@@ -24,11 +24,11 @@ NODES, WEIGHTS = gauss(8)  # of a step
 
 
 def misread_at_discharge(problem: Problem, life: Trajectory, at: float, sums: Sequence[tuple[float, float]]) -> float:
-    """Return by how much chambers ahead sum too much [kg/life] of that flow into chambers that are before an angle.
+    """Return the error [kg/life] of the gas that chambers open to the discharge line sum as given to those behind.
 
-    `at` [rad] is where chambers leave the suction line; `sums` [kg/life] are, by offset, what chambers got from those
-    ahead until then, and what these gave, as they sum it. Gas is positive into the chamber that sums it. The result is
-    0 where both agree within `DIFFER` accuracies of the net flow.
+    0 where both sides agree within `DIFFER` accuracies of the net flow. `at` [rad] is where chambers leave the suction
+    line; `sums` [kg/life] are, by offset, what chambers got from those ahead until then, and what these gave, each as
+    it sums it, positive into itself.
     """
     c, pitch, opens = problem.composition, problem.parts.geometry.pitch, problem.parts.geometry.discharge_opens
     if opens is None or at + max(c.offsets) * pitch <= opens:

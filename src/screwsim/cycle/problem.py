@@ -176,6 +176,14 @@ class Problem:
         """Return the gas's share of a volume at ρ [kg/m³] and oil per gas, or arrays; 1 without room for oil (M106)."""
         return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
 
+    def gas_mass(self, rho: Any, ratio: Any, volume: Any) -> Any:
+        """Return the gas [kg] at ρ [kg/m³] in a volume [m³] that it shares with oil (M106)."""
+        return rho * self.gas_share(rho, ratio) * volume
+
+    def density_in_flow(self, rho: Any, ratio: Any) -> Any:
+        """Return ρ β² [kg/m³], the density of a port state with which gas flows through its share β (M107)."""
+        return rho * self.gas_share(rho, ratio) ** 2
+
 
 class ClosingTask(NamedTuple):
     """What is to be closed: a problem, the machinery that integrates it, and by which criteria."""

@@ -151,11 +151,11 @@ class _Turns:
         return False
 
     def by_chance(self) -> bool:
-        """Return whether mass, work and unknowns may have met their tolerance only in passing.
+        """Return whether the gap may be within the tolerance only by coincidence.
 
-        That is so where the next turn, at the pace of the last two, would move the states by much more, or
-        where corrected turns go back and forth. It is not where the turn before met the tolerance too: states
-        may stall above it, moved by the noise of the steps alone.
+        So it is if the next turn, at the pace of the last two, would move the states by more than `CHANCE_MOVE`
+        tolerances, or if corrected turns go back and forth. Never if the turn before met the tolerance, too: the noise
+        of the steps may keep states moving above it.
         """
         (gap, moved), tolerance = self.before, self.criteria.tolerance
         if self.number == 1 or gap <= tolerance:

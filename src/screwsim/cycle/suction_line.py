@@ -81,7 +81,7 @@ def set_values(problem: Problem, R: Array, found: Array) -> None:
         R[slots.R_SUCTION + slots.OIL_TEMPERATURE] = T + problem.oil_pressure_term(problem.suction.pressure)
         if len(found) > 2 and ratio > 0.0:
             R[slots.R_SUCTION + slots.DISSOLVED] = max(mixture.held, 0.0) / ratio
-        R[slots.R_SUCTION + slots.DENSITY] *= problem.gas_share(float(port_state[slots.DENSITY]), ratio) ** 2
+        R[slots.R_SUCTION + slots.DENSITY] = problem.density_in_flow(float(port_state[slots.DENSITY]), ratio)
 
 
 def leak(problem: Problem, R: Array) -> Stream:

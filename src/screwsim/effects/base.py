@@ -37,7 +37,7 @@ from screwsim.effects.parts.lines import (
     SuctionLine,
 )
 from screwsim.effects.parts.made import LineFlow, Made, Pulsation, Sought, Span, Turn
-from screwsim.effects.parts.oil import OilContent, OilGas, OilPort, OilRoom, OilSolution
+from screwsim.effects.parts.oil import OilContent, OilGas, OilPort, OilRoom, OilSolution, OilThinning
 from screwsim.effects.parts.readings import Around, Drawn, Given, Plenum, PowerLoss, Reading, Shaft, Site
 from screwsim.effects.parts.usual import Sized, Usual
 from screwsim.inputs.faults import Fault
@@ -47,15 +47,16 @@ from screwsim.outputs import Figure, Trace
 __all__ = [  # all that an effect's file imports
     "DISCHARGE", "LINES", "NEIGHBOUR", "SUCTION", "Around", "ChamberState", "CoolsOil", "Drawn", "Effect",
     "Faults", "FlowPath", "Given", "HeatRate", "InSeparator", "LineFlow", "LineLeak", "LosesPressure", "Made",
-    "OilContent", "OilGas", "OilPort", "OilRoom", "OilSolution", "Part", "Plenum", "PowerLoss", "PressureLosses",
-    "Pulsation", "Reading", "Resistance", "Scaled", "Separator", "Shaft", "Site", "Sized", "Sought", "Span",
-    "Stops", "SuctionChange", "SuctionHeat", "SuctionLine", "Turn", "Usual", "Wall",
+    "OilContent", "OilGas", "OilPort", "OilRoom", "OilSolution", "OilThinning", "Part", "Plenum", "PowerLoss",
+    "PressureLosses", "Pulsation", "Reading", "Resistance", "Scaled", "Separator", "Shaft", "Site", "Sized", "Sought",
+    "Span", "Stops", "SuctionChange", "SuctionHeat", "SuctionLine", "Turn", "Usual", "Wall",
 ]  # fmt: skip
 
 Faults = Iterator[Fault]  # of an effect's `check`
 Part = (
-    FlowPath | Plenum | OilPort | OilGas | OilRoom | ChamberState | Stops | HeatRate | Wall | Made | Scaled | Pulsation
-    | PowerLoss | Reading | Shaft | Separator | SuctionChange | SuctionLine | LineLeak | SuctionHeat
+    FlowPath | Plenum | OilPort | OilGas | OilThinning | OilRoom | ChamberState | Stops | HeatRate | Wall | Made
+    | Scaled | Pulsation | PowerLoss | Reading | Shaft | Separator | SuctionChange | SuctionLine | LineLeak
+    | SuctionHeat
 )  # fmt: skip
 
 

@@ -162,7 +162,7 @@ def moment(parameters: Parameters, speed: float, load: float, figures) -> float:
     if parameters.friction == "simple":
         return 0.5 * (parameters.friction_coefficient or 0.0) * load * (parameters.bore or 0.0)
     T, d_m = film_temperature(parameters.film_temperature, figures), parameters.mean_diameter or 0.0
-    viscosity = figures.oil_viscosity_at(T) / figures.oil_density_at(T)
+    viscosity = figures.film_viscosity_at(T) / figures.oil_density_at(T)
     idle = idle_moment(speed, viscosity, d_m, parameters.f_0 or 0.0)
     return (parameters.count or USUAL_COUNT) * idle + (parameters.f_1 or 0.0) * load * d_m
 

@@ -42,7 +42,9 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
         """Return the hydromechanical loss [W] (M32)."""
         acceleration = parameters.acceleration_factor * figures.oil_mass_flow * figures.tip_speed**2
         swept = machine.lobes * machine.swept_volume
-        shear = parameters.viscous_coefficient * swept * figures.omega**2 * (figures.oil_viscosity or 0.0)
+        T_oil = figures.oil_temperature
+        viscosity = None if T_oil is None else figures.film_viscosity_at(T_oil)
+        shear = parameters.viscous_coefficient * swept * figures.omega**2 * (viscosity or 0.0)
         return acceleration + shear
 
     return [PowerLoss("hydromechanical_power", power)]

@@ -32,6 +32,7 @@ from screwsim.effects.parts.usual import DRIVE
 from screwsim.inputs.declare import Derived, ReplaceableDefault, choice, count, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
+from screwsim.inputs.textfiles import once_per_file
 from screwsim.machine.protocol import ROTORS
 from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import Figure, cooling_figure, efficiency, names_of, power_figure
@@ -122,6 +123,7 @@ def loss_of_shares(parameters: Parameters) -> Loss:
     return lambda load: rated * (share + (1.0 - share) * load * load)
 
 
+@once_per_file
 def read_table(path: str) -> list[tuple[float, ...]]:
     """Return (load, efficiency) of a CSV file, two rows or more; raise UsageError in one line where there are none."""
     words = "is not a CSV file with numbers in the columns load, efficiency"

@@ -90,7 +90,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss]:
             total += tip_drag(speed, diameter, lobes, size.rotor_length, parameters.tip_land, tip)
             if end is not None:
                 total += end_drag(speed, diameter, parameters.end_solidity or 0.0, end)
-        return parameters.film_share * figures.oil_viscosity_at(T) * total
+        return parameters.film_share * figures.film_viscosity_at(T) * total
 
     return [PowerLoss("oil_drag_power", power)]
 

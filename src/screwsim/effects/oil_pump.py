@@ -88,7 +88,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
     def flows(figures) -> tuple[float, float, float]:
         """Return volume flow [m³/s], density [kg/m³] and viscosity [Pa s] of the oil that flows."""
         flow = figures.oil_volume_flow
-        return flow, figures.oil_mass_flow / flow, figures.oil_viscosity
+        return flow, figures.oil_mass_flow / flow, figures.supply_viscosity
 
     def loss(figures) -> float:
         """Return the pressure loss [Pa] between pump and chamber."""

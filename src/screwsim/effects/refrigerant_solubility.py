@@ -7,16 +7,18 @@ equilibrium at the chamber's pressure as it enters (M196): a further stream of g
 supplies. With `flash_time` the dissolved gas is a state of the chamber that travels with the oil through leaks and
 ports (M230); oil that holds more than in equilibrium releases it with that time constant (M231), and oil that holds
 less absorbs gas with `absorption_time`, if that is stated. In the separator the oil absorbs that gas again, so that
-delivery equals suction; the machine compresses the flashed gas for nothing.
+delivery equals suction; the machine compresses the flashed gas for nothing. With `films_at` it makes the oil thinner in
+films (bearings, oil drag, the viscous term of hydromechanical losses) and in the pump's line (M199).
 Source: Heil's model with the constants of J. J. Grebner, 1992; flash, rate and balances ours. No source gives the time
 constants of oil in a screw compressor's chamber: they are assumptions.
-Assumptions: the oil's viscosity, density and heat capacity are those of pure oil; no gas is taken up between separator
-and port. Flash in the port: it is complete there; gas that stays dissolved goes with the oil to discharge, it does not
-flash again in leaks to lower pressure, and no gas is taken up during compression; heat of solution is that of
-evaporation, excess enthalpy neglected. Over time: all oil of a chamber holds the same; dissolved gas has one enthalpy,
-that which M195 gives between separator and supply, and with it the equilibrium at other temperatures (M232). Needs
-effects.oil_injection.
-Parameters: separator_temperature, points_file, flash_time, absorption_time.
+Assumptions: the oil's density and heat capacity are those of pure oil, its viscosity, too, except where `films_at`
+changes it, and always in bores, drops and gaps; films hold what is supplied, or what they have in equilibrium with gas
+of the line that `films_at` names where that is less; no gas is taken up between separator and port. Flash in the port:
+it is complete there; gas that stays dissolved goes with the oil to discharge, it does not flash again in leaks to lower
+pressure, and no gas is taken up during compression; heat of solution is that of evaporation, excess enthalpy neglected.
+Over time: all oil of a chamber holds the same; dissolved gas has one enthalpy, that which M195 gives between separator
+and supply, and with it the equilibrium at other temperatures (M232). Needs effects.oil_injection.
+Parameters: separator_temperature, points_file, flash_time, absorption_time, films_at, oil_molar_mass.
 """
 
 import math
@@ -26,8 +28,25 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects.base import Drawn, Effect, InSeparator, OilContent, OilGas, OilSolution, Plenum, Site
+from screwsim.effects.base import (
+    Drawn,
+    Effect,
+    InSeparator,
+    OilContent,
+    OilGas,
+    OilSolution,
+    OilThinning,
+    Plenum,
+    Site,
+)
 from screwsim.effects.oil_injection import discharge_pressure
+from screwsim.effects.parts.thinned_oil import (
+    SUPPLIED_OIL_VISCOSITY,
+    declared_films,
+    declared_molar_mass,
+    thinning,
+    thinning_faults,
+)
 from screwsim.fluid import constants
 from screwsim.fluid.oils import is_ester
 from screwsim.fluid.reservoir import Reservoir
@@ -69,6 +88,7 @@ FIGURES = (
         "root mean square by which the law of M198 misses the pressures of points_file",
         needs=(".points_file",),
     ),
+    SUPPLIED_OIL_VISCOSITY,
 )
 POINTS = 81  # rows of the table over pressure
 LOWEST = 0.02  # share of the separator's pressure below which the flashed amount is held constant
@@ -87,7 +107,8 @@ class Parameters(InSeparator):
     """Where the oil was in equilibrium with gas, and how fast it comes to equilibrium in the chamber."""
 
     points_file: str | None = file(
-        f"CSV with columns {', '.join(COLUMNS)} (of the solution's mass; absolute pressures): what the oil dissolves"
+        f"CSV with columns {', '.join(COLUMNS)} (of the solution's mass; absolute pressures), and refrigerant (its "
+        "name) if wanted: what the oil dissolves"
     )
     flash_time: float | None = optional(
         "time", "time in which oil in a chamber gives off gas beyond equilibrium (absent: at once, in the port)"
@@ -95,11 +116,13 @@ class Parameters(InSeparator):
     absorption_time: float | None = optional(
         "time", "time in which it absorbs gas (absent: it does not; needs flash_time)"
     )
+    films_at: str | None = declared_films()
+    oil_molar_mass: float | None = declared_molar_mass()
 
 
 def law_of(parameters: Parameters, fluid: str) -> SolubilityLaw:
     """Return the law of what the oil dissolves of a fluid; raise UsageError where the points give none."""
-    return ESTER if parameters.points_file is None else law_of_points(fluid, read_points(parameters.points_file))
+    return ESTER if parameters.points_file is None else law_of_points(fluid, read_points(parameters.points_file, fluid))
 
 
 def flashed(law: SolubilityLaw, p: float, T: float, supply: float, latent: float, c_oil: float) -> float:
@@ -118,11 +141,20 @@ def flashed(law: SolubilityLaw, p: float, T: float, supply: float, latent: float
 
 
 @lru_cache(maxsize=64)
-def _content(law: SolubilityLaw, T_separator: float, T: float, p_d: float, c_oil: float) -> OilContent:
-    supply = law.content(p_d, T_separator)
-    p_sat = constants.dew_pressure(law.fluid, T)
-    latent = constants.wet_enthalpy(law.fluid, p_sat, 1.0) - constants.wet_enthalpy(law.fluid, p_sat, 0.0)
+def _content(law: SolubilityLaw, gas: Any, T_separator: float, T: float, p_d: float, c_oil: float) -> OilContent:
+    supply, latent = law.content(p_d, T_separator), heat_of_flash(law, gas, T_separator, T, p_d)
     return OilContent(*_flashes(law, T, p_d, supply, latent, c_oil), latent)
+
+
+def heat_of_flash(law: SolubilityLaw, gas: Any, T_separator: float, T: float, p_d: float) -> float:
+    """Return the heat [J/kg] that flashing gas takes from oil at T [K] (M196).
+
+    That of evaporation, or by van 't Hoff's law (M232) where the law reaches beyond the saturation of the refrigerant.
+    """
+    if law.beyond:
+        return _vapour(law, gas, T_separator, T, p_d).h - heat_enthalpy(law, gas, T_separator, T, p_d)
+    p_sat = constants.dew_pressure(law.fluid, T)
+    return constants.wet_enthalpy(law.fluid, p_sat, 1.0) - constants.wet_enthalpy(law.fluid, p_sat, 0.0)
 
 
 def _flashes(
@@ -199,7 +231,7 @@ def solution(
     return OilSolution(z, entropy, slope, below, enthalpy, law.content(p_d, T_separator), release, uptake)
 
 
-def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:
+def build(parameters: Parameters, machine) -> list[OilGas | Plenum | OilThinning]:
     T_separator = parameters.separator_temperature or 0.0  # stated, or the current value of the search
     flash_time, absorption_time = parameters.flash_time, parameters.absorption_time
 
@@ -213,23 +245,29 @@ def build(parameters: Parameters, machine) -> list[OilGas | Plenum]:
         if flash_time is not None:
             uptake = 0.0 if absorption_time is None else 1.0 / absorption_time
             return solution(law, site.gas, T_separator, site.T_oil, site.p_d, 1.0 / flash_time, uptake)
-        return _content(law, T_separator, site.T_oil, site.p_d, site.oil.heat_capacity)
+        return _content(law, site.gas, T_separator, site.T_oil, site.p_d, site.oil.heat_capacity)
 
     def state(site: Site) -> Reservoir:
         assert site.T_oil is not None
         return _vapour(law_for(site.fluid), site.gas, T_separator, site.T_oil, site.p_d)
 
+    thinner = thinning(parameters, law_for, T_separator)
+
     def figures(drawn: Drawn) -> dict[str, float | None]:
-        law = law_for(drawn.site.fluid)
-        fitted = {"solubility_misfit": law.misfit} if isinstance(law, Measured) else {}
+        law, site = law_for(drawn.site.fluid), drawn.site
+        fitted: dict[str, float | None] = {"solubility_misfit": law.misfit} if isinstance(law, Measured) else {}
+        if thinner is not None:
+            assert site.T_oil is not None and site.oil is not None and site.oil.viscosity is not None  # `check`
+            fitted[SUPPLIED_OIL_VISCOSITY.name] = thinner.supply(site, site.T_oil, site.oil.viscosity)
         return {
-            "dissolved_gas_ratio": law.content(drawn.site.p_d, T_separator),
+            "dissolved_gas_ratio": law.content(site.p_d, T_separator),
             "flash_mass_flow": drawn.flow,
             "flash_flow_ratio": drawn.ratio,
             **fitted,
         }
 
-    return [OilGas(PLENUM, content_of), Plenum(PLENUM, state, figures, product=False)]
+    thinned = [] if thinner is None else [thinner]
+    return [OilGas(PLENUM, content_of), Plenum(PLENUM, state, figures, product=False), *thinned]
 
 
 def _law(parameters: Parameters, facts, faults: list[Fault]) -> SolubilityLaw | None:
@@ -263,6 +301,7 @@ def check(parameters: Parameters, facts) -> list[Fault]:
     if parameters.absorption_time is not None and parameters.flash_time is None:
         what = "has no meaning where the oil flashes at once in the port"
         faults.append(Fault(f"{path}.absorption_time", f"{what} (state flash_time, or remove it)"))
+    faults += thinning_faults(path, parameters, facts, law)
     if "oil_injection" not in facts.effects:
         faults.append(Fault(path, "needs effects.oil_injection, at whose port the oil flashes (add it)"))
     stated = {f"{path}.separator_temperature": parameters.separator_temperature}
@@ -283,7 +322,7 @@ def check(parameters: Parameters, facts) -> list[Fault]:
 def _faults_of_separator(parameters: Parameters, facts, law: SolubilityLaw, p_d: float, T: float) -> list[Fault]:
     """Return the fault of a separator at p_d [Pa] and T [K] in which the law does not hold, if any."""
     where, held = f"effects.{NAME}.separator_temperature", law.content(p_d, T)
-    if p_d >= law.p_sat(T):
+    if p_d >= law.p_sat(T) and T <= law.last_liquid:
         what = f"at {in_celsius(T)} the gas condenses in the separator, at {in_bar(p_d)}"
         return [Fault(where, f"{what} (state a warmer separator)")]
     if isinstance(law, Measured) and held >= law.most:
@@ -305,7 +344,7 @@ def _faults_of_separator(parameters: Parameters, facts, law: SolubilityLaw, p_d:
 EFFECT = Effect(
     name=NAME,
     title="refrigerant dissolved in the injected oil flashes in the chamber",
-    equations=("M195", "M196", "M197", "M198", "M230", "M231", "M232", "M233", "M234"),
+    equations=("M195", "M196", "M197", "M198", "M199", "M230", "M231", "M232", "M233", "M234"),
     source="Grebner 1992 (Heil's model), or Flory and Huggins by measured points; flash and rate: ours",
     parameters=Parameters,
     build=build,

@@ -20,7 +20,7 @@ from screwsim.effects.parts.usual import SLIDES, Sized
 from screwsim.inputs.declare import AREA, file, number, optional, quantity
 from screwsim.inputs.faults import Fault, incomplete
 from screwsim.machine.protocol import ROTORS, SHELL, WIDEST
-from screwsim.numerics.spline import features, read_curve
+from screwsim.numerics.spline import features, negligible_areas, read_curve
 
 BEFORE = 60.0 * pi / 180.0  # angle before the beginning of compression at which the chamber reaches the slot
 DEG = 180.0 / pi
@@ -51,7 +51,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
         return [_slot(parameters, slot.curve, slot.breakpoints)]
     if parameters.area_file is not None:
         angles, areas = read_curve(parameters.area_file, "area_m2")
-        return [_slot(parameters, (angles, areas), (angles[0], *features(angles, areas), angles[-1]))]
+        return [_slot(parameters, (angles, areas), _open_rows(angles, areas))]
     x, begins = parameters.position, machine.injection_angle
     assert x is not None and parameters.slot_area is not None and parameters.closes is not None  # checked
     closes = begins + x * (parameters.closes - begins)
@@ -64,6 +64,12 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
             FlowPath(DISCHARGE, area, sized, tuple(angles.values()), flow_coefficient=coefficient, beside=True)
         )
     return found
+
+
+def _open_rows(angles, areas) -> tuple[float, ...]:
+    """Return the rows [rad] of a table at which steps end: those of its features, its ends only where it is open."""
+    shut = negligible_areas(areas)
+    return tuple(sorted({*features(angles, areas), *(float(angles[i]) for i in (0, -1) if not shut[i])}))
 
 
 def _slot(parameters: Parameters, curve, own: tuple[float, ...]) -> FlowPath:

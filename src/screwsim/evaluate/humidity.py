@@ -20,7 +20,7 @@ from screwsim.evaluate.separator import Circuit
 from screwsim.fluid import water
 from screwsim.fluid.moist_air import DRIEST, MoistAir
 from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, R_TRAPPED
-from screwsim.outputs.customary import celsius, in_celsius
+from screwsim.outputs.customary import HOUR, celsius, in_celsius
 
 if TYPE_CHECKING:
     from screwsim.evaluate.evaluation import Evaluation
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 MARGIN = 5.0  # [K] above the pressure dew point, where the scene states none
 STEP = np.radians(2.0)  # between angles at which a chamber is checked for liquid
 WET = 0.01  # of a chamber's water: liquid that deserves a warning; a dead volume may condense less
-HOUR = 3600.0
 AFTERCOOLER = "aftercooler_condensate_flow"
 PACKAGE_VAPOUR, PACKAGE_DEW = "package_vapour_flow", "package_dew_point"
 DRY = "there is no water in dry air"

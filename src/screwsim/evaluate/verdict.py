@@ -12,6 +12,7 @@ from screwsim.effects.base import OilRoom, Separator, Stops
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.composition import ENDING, predefined_name
 from screwsim.fluid.limits import Limit, Outside
+from screwsim.fluid.real_gas import RealGas
 from screwsim.machine.kinds import find_machine
 from screwsim.machine.settings import TURN
 from screwsim.model.impacts import MOST_IMPACTS
@@ -151,6 +152,10 @@ def failure(problem: Problem, cycle: CycleSolution) -> str:
             angle = cycle.angle + i * problem.parts.geometry.pitch
             why = _violated_limit(problem, reason, cycle.trajectory)
             return f"the integration stopped at {math.degrees(angle):.2f} deg: {why}"
+        if isinstance(gas, RealGas) and (near := gas.at_critical_point(float(T), float(rho))):
+            where = "at the inlet" if problem.parts.geometry.expands else "in the suction line"
+            what = f"beside which its two phases are not followed (choose another temperature or pressure {where})"
+            return f"the integration stopped at {math.degrees(cycle.angle):.2f} deg, at {near}, {what}"
     elsewhere = outside_gas_range(problem, cycle.trajectory)
     if elsewhere:  # a chamber that such gas reaches through a leak
         return f"the integration stopped at {math.degrees(cycle.angle):.2f} deg; in its last turn {elsewhere}"

@@ -16,6 +16,7 @@ from screwsim.explain.media import gas_rows, oil_rows
 from screwsim.explain.parameters import NO_BREAK, parameters_text, row
 from screwsim.figures import called_for
 from screwsim.inputs.declare import KINDS
+from screwsim.inputs.suggestions import counted
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.profile_law import LaidCurves
 from screwsim.machine.protocol import ROTORS
@@ -315,7 +316,7 @@ def _size(model: Composition) -> Iterator[str]:
 
 def _sweep(scene: Scene) -> Iterator[str]:
     for dimension in dimensions(scene):
-        kinds = f"{dimension.size} values" if dimension.size != 1 else "1 value"
+        kinds = counted(dimension.size, "value")
         if dimension.joint is None:
             words = f": {', '.join(scene.sweep[FLUID])}" if dimension.name == FLUID else ""
             yield row(f"{dimension.name}", f"{kinds}{words}") if words else f"  {dimension.name}: {kinds}"

@@ -13,7 +13,7 @@ import numpy as np
 
 from screwsim.figures import known, trace_variable
 from screwsim.figures.engineering import figure_scales, shown_name
-from screwsim.outputs import Figure, Result, sorted_entries, words_of_effects
+from screwsim.outputs import LEDGER_SUMMARY, Figure, Result, sorted_entries, words_of_effects
 
 CURVE = "curve"  # a point of a small sweep
 SOLVED = "solved"
@@ -85,11 +85,10 @@ def _ledger(result: Result) -> dict[str, Any] | None:
     ledger = result.ledger
     if ledger.get("shaft_power") is None:
         return None
-    totals = ("shaft_power", "gas_exergy_rise", "oil_exergy_rise", "residue", "ambient_temperature")
     found = sorted_entries(ledger)
     words = words_of_effects(name for name, _ in found)
     entries = [{"words": words[name], **finite(values)} for name, values in found]
-    return {**finite({name: ledger[name] for name in totals if name in ledger}), "entries": entries}
+    return {**finite({name: ledger[name] for name in LEDGER_SUMMARY if name in ledger}), "entries": entries}
 
 
 def about_figure(figure: Figure) -> dict[str, Any]:

@@ -16,10 +16,11 @@ from screwsim.explore.changes import (
 from screwsim.inputs.declare import FoundWithCycle
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.machine import protocol
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene import Scene, value_at
 from screwsim.scene.fields import Leaf
 from screwsim.scene.types import Tolerance
-from screwsim.scene.units import ZERO_CELSIUS, Refused, customary_unit, parse_quantity
+from screwsim.scene.units import Refused, customary_unit, parse_quantity
 from screwsim.scene.values import limits_text
 
 SLIDER_FACTOR = 4.0  # a slider extends from the value over this factor to the value times it

@@ -62,7 +62,7 @@ class Page:
         self.gone = False
 
     def take(self, text: str) -> None:
-        """Accept a message; raise Wrong if it is not a valid one."""
+        """Accept a message; raise InvalidMessage if it is not a valid one."""
         if len(text) > LONGEST_MESSAGE:
             raise InvalidMessage("a message is too long")
         try:

@@ -17,7 +17,7 @@ from screwsim.results.atomic import make_folder, write_csv
 from screwsim.results.fluid_name import fluid_name
 from screwsim.results.protection import protect_other_heads
 from screwsim.results.read import STAGES
-from screwsim.results.schema import Axis, cf_unit
+from screwsim.results.schema import Axis, cf_unit, quantities_along
 from screwsim.scene.fields import catalogue_leaves
 from screwsim.scene.types import COVERAGE
 from screwsim.study.calibration.data import UNCERTAINTY_SUFFIX
@@ -124,11 +124,9 @@ def _uncertainty(results: Results, name: str, head: str, units: str) -> CaseColu
 
 
 def _varied(results: Results, path: str, units: str) -> CaseColumn:
-    number, values = results.varied[path]
-    outer = results.axis_list[number]
-    axis = next(each for each in (outer.joined or (outer,)) if each.path == path)
+    axis = next(each for each in quantities_along(results.axis_list) if each.path == path)
     along = results.along(path).ravel()
-    if values.dtype.kind not in "fiu":
+    if axis.values.dtype.kind not in "fiu":
         return CaseColumn(path, "", along)
     return CaseColumn(path, *converted(as_figure(axis, units), along, units))
 

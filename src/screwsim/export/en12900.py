@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from screwsim.export.polynomials import MISSING, Polynomials, document, temperature_limits
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.outputs.us_units import BTU, POUND
 from screwsim.scene.operation import SUBCOOLING
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.maps.performance_map import COEFFICIENT_NAMES, PerformanceMap
 from screwsim.study.stages.axes import names_of
 

@@ -19,6 +19,12 @@ OMITTED_BEFORE = {  # fields of IDF between ours, which are empty and take their
     "rated_subcooling": ("rated_return_gas_temperature", "rated_liquid_temperature"),
     "input_unit_type_for_x": ("minimum_curve_output", "maximum_curve_output"),
 }
+FURTHER_COOLED = (  # Engineering Reference, Compressor Energy Use
+    "The economizer cools the liquid behind the condenser further: the capacity contains that, no field states it,",
+    "and rated_subcooling is that behind the condenser. EnergyPlus scales the capacity by the enthalpy difference of",
+    "evaporation from there, actual over rated: give its condenser this subcooling, and its system no subcooler.",
+    "Its refrigerant flow, capacity over that difference, is then larger than that of the evaporator.",
+)
 VERSION = "24.1"  # EnergyPlus version whose input data dictionary has these names
 
 Objects = dict[str, dict[str, dict[str, Any]]]  # {class: {name: {field: value}}}
@@ -94,6 +100,7 @@ def notes(found: Polynomials) -> list[str]:
     lines = [f"{found.title}: {found.fluid}{WRITTEN_MARK}"]
     y = f"saturated discharge temperature ({found.condensing})"
     lines.append(f"x: saturated suction temperature (dew), y: {y}, deg C; W")
+    lines += FURTHER_COOLED if found.economized else ()
     for one in found.maps:
         errors = ", ".join(f"{figure.replace('_', ' ')} {100 * fit.largest:.2g} %" for figure, fit in one.fits.items())
         over = "/".join(f"{T:g}" for T in rated_temperatures(one))

@@ -11,7 +11,7 @@ from screwsim.build import build_parts
 from screwsim.figures import called_for, declared
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figure
-from screwsim.outputs.customary import RPM
+from screwsim.outputs.customary import RPM, ZERO_CELSIUS
 from screwsim.outputs.display import si_unit
 from screwsim.scene import Scene
 from screwsim.scene.grid import Swept, joints_of, unit_of
@@ -226,7 +226,7 @@ class Display(NamedTuple):
 
 
 DISPLAYS = {
-    "K": (Display("degC", 1.0, -273.15),),
+    "K": (Display("degC", 1.0, -ZERO_CELSIUS),),
     "Pa": (Display("bar", 1e-5),),
     "W": (Display("kW", 1e-3),),
     "rad/s": (Display("rpm", 1.0 / RPM),),

@@ -11,6 +11,7 @@ from screwsim.export.hermite import Array, Grid, evaluate
 from screwsim.export.inputs import Input, range_text, unit_after_number
 from screwsim.inputs.arguments import shown
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Figure
 from screwsim.outputs.display import About, Brief
 from screwsim.scene.fields import unknown_key
@@ -119,7 +120,7 @@ class MapTable(Brief):
 
     def warnings_told(self) -> list[str]:
         """Return the warnings of the simulated cases as sentences, each with their number."""
-        return [f"warning in {count} case{'s' * (count != 1)} of the map: {text}" for count, text in self.warnings]
+        return [f"warning in {counted(count, 'case')} of the map: {text}" for count, text in self.warnings]
 
     def _about(self) -> About:
         notes = [f"{one.name} {range_text(one)}: {one.long_name}" for one in self.inputs]

@@ -11,6 +11,7 @@ from screwsim.export.inputs import Input, plain
 from screwsim.export.map_table import MapTable
 from screwsim.export.table import scales
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Figure
 from screwsim.study.maps.performance_map import TERMS
 
@@ -23,7 +24,7 @@ _TAKEN = {"real", "integer", "boolean", "string", "complex", "clock", "modelica"
 def check_inputs(inputs: Sequence[Input]) -> None:
     """Raise UsageError unless a map has two inputs."""
     if len(inputs) != 2:
-        count = f"{len(inputs)} input{'s' * (len(inputs) != 1)} ({', '.join(one.name for one in inputs)})"
+        count = f"{counted(len(inputs), 'input')} ({', '.join(one.name for one in inputs)})"
         remedy = "name two with --over, or a sweep over two; fmu takes any number"
         raise UsageError(f"the map has {count}, and {_TABLE} two ({remedy})")
 

@@ -15,6 +15,7 @@ from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import UsageError
 from screwsim.results import Results, open_results
 from screwsim.results.read import STAGES
+from screwsim.results.schema import quantities_along
 from screwsim.scene import Scene
 from screwsim.scene.grid import joints_of
 from screwsim.scene.operation import QUALITY, SUBCOOLING, SUPERHEAT
@@ -32,6 +33,7 @@ from screwsim.study.pool.progress import Progress
 from screwsim.study.stages.axes import names_of
 
 SATURATION_NODES, OTHER_NODES = 6, 3  # number of values where --over gives ranges
+ECONOMIZED = "economizer_mass_flow", "vapour_mass_flow"  # figures of one machine, and of two stages
 RATED_TEMPERATURES = {"S": 5.0, "D": 45.0}  # [°C] used where the envelope contains it, else its middle
 
 
@@ -56,6 +58,7 @@ class Polynomials:
     follows: tuple[dict[str, Any], ...] = ()  # what varies together with a temperature, and so within a map
     two: bool = False  # of two stages in series, before whose paths their stage stands
     missing: tuple[str, ...] = ()  # what the maps have to do without, in words
+    economized: bool = False  # the liquid is cooled behind the condenser, by vapour that the machine draws besides
 
     def name(self, one: PerformanceMap) -> str:
         """Return what distinguishes a map from the others, as part of a name: 'speed_308.923'."""
@@ -151,15 +154,15 @@ def polynomials(results: Results, figures: Sequence[str]) -> Polynomials:
     refuse_words(results, results.axis_list)
     every = performance_maps(results, figures)
     maps = tuple(one for one in every if not one.message)
-    varied = (one for axis in results.axis_list for one in axis.joined or (axis,))
-    axes = {one.path: one.units for one in varied if one.path in maps[0].values}
+    axes = {one.path: one.units for one in quantities_along(results.axis_list) if one.path in maps[0].values}
     units = {name: results.figure(name).units for name in maps[0].fits}
     alone = results.stages.get(STAGES[0], results)  # of two stages the first
     fluid = YAML(typ="safe", pure=True).load(alone.scene_yaml)["gas"]["fluid"]
     name, blend = (fluid, is_blend(fluid)) if isinstance(fluid, str) else ("/".join(fluid), True)
     title, point = title_on_one_line(results.attributes["title"]), "dew" if blend else "bubble"
     about = units, conditions(results), axes, point, tuple(followers(results)), bool(results.stages), _missing(every)
-    return Polynomials(title, name, maps, *about)
+    economized = any(each in results.figures for each in ECONOMIZED)
+    return Polynomials(title, name, maps, *about, economized=economized)
 
 
 def _missing(maps: Sequence[PerformanceMap]) -> tuple[str, ...]:

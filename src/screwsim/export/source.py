@@ -13,6 +13,7 @@ from screwsim.export.table import table_of, tabulated_map
 from screwsim.figures import Performance, known
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.inputs.textfiles import HDF5
 from screwsim.outputs import Result
 from screwsim.results import Results, open_results
 from screwsim.scene import Scene, load, loads, without_sweep
@@ -26,14 +27,13 @@ from screwsim.study.stages import read_stages
 
 DEFAULT_ERROR = 0.005  # relative error of a map, if none is requested
 MOST_CASES = 5000
-_HDF5 = b"\x89HDF"
 
 
 def is_results(source: str) -> bool:
     """Tell whether a path is a results file, by its first bytes; False if it cannot be read."""
     try:
         with Path(source).open("rb") as stream:
-            return stream.read(len(_HDF5)) == _HDF5
+            return stream.read(len(HDF5)) == HDF5
     except OSError:
         return False
 
@@ -133,8 +133,7 @@ def run_of(
     if not is_results(source):
         alone = "screwsim run -o OUT.h5, then screwsim scene OUT.h5 --stage first, gives one to be named here"
         refuse_stages(source, f"loads are those of one machine ({alone})")
-        scene = load(source, overrides, without)
-        scene = without_sweep(scene)
+        scene = without_sweep(load(source, overrides, without))
         check(scene)
         return scene, simulate(scene)
     if overrides or without:

@@ -35,7 +35,7 @@ from screwsim.export.map_table import MapTable
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figure
 from screwsim.results import Results, open_results
-from screwsim.results.schema import Axis
+from screwsim.results.schema import Axis, quantities_along
 from screwsim.results.warning_kinds import kinds_of, warnings_of_cases
 from screwsim.scene import Scene, scene_text, without_sweep
 from screwsim.scene.types import Joint
@@ -176,7 +176,7 @@ def _input_of(results: Results, axis: Axis, others: Sequence[Axis]) -> Input:
 
 def refuse_words(results: Results, axes: Iterable[Axis]) -> None:
     """Raise UsageError where one of some axes of a sweep, or what varies along it, has words for values."""
-    for one in (one for axis in axes for one in axis.joined or (axis,)):
+    for one in quantities_along(axes):
         if one.values.dtype.kind != "f":
             what = f"{one.path} has values that are no numbers (export a sweep of one of them)"
             raise UsageError(f"{results.path}: {what}")

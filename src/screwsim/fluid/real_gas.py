@@ -32,6 +32,7 @@ from screwsim.outputs.customary import in_bar, in_celsius
 
 AT_SATURATION = 1e-9  # relative excess of p over p_sat(T) that still counts as saturated vapour
 LIQUID = 1e-6  # relative deficit of density at which a liquid still counts as saturated
+UNRESOLVED, FLAT_TOP = 1e-5, 0.05  # relative distances of T and rho from the critical point: tables of c_v fail there
 TYPICAL = 300.0  # [K] temperature of the representative heat capacities
 
 
@@ -250,6 +251,17 @@ class RealGas(CompiledGas):
             what = f"{known.name} at {in_bar(p)} is above the equation's highest pressure, {in_bar(p_max)}"
             return Outside(Limit.PRESSED, what)
         return None
+
+    def at_critical_point(self, T: float, rho: float) -> str:
+        """Return in words the critical point where a state is so close that its two phases are not resolved; else ''.
+
+        Beside it the heat capacity of both phases in equilibrium grows beyond any table.
+        """
+        found = saturation(self.fluid)
+        beside = abs(T / found.T_c - 1.0) < UNRESOLVED and abs(rho / found.rho_c - 1.0) < FLAT_TOP
+        if not beside or found.always_gas or not self.equilibrium:
+            return ""
+        return f"the critical point of {self.known.name} ({in_celsius(found.T_c)}, {found.rho_c:.3g} kg/m3)"
 
     @property
     def _gas_only(self) -> str:

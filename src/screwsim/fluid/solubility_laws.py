@@ -12,9 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.fluid import constants, solubility
+from screwsim.fluid.description import describe
+from screwsim.fluid.reference_state import NEAR_CRITICAL, last_saturation, reference_pressure
+from screwsim.fluid.transport import saturated_liquid_viscosity
 from screwsim.fluid.vapour_fugacity import Fugacity, fugacity_table
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import BadSheet, read_sheet, sheet_or_usage_error
+from screwsim.inputs.sheets import BadSheet, Sheet, read_sheet, sheet_or_usage_error
+from screwsim.inputs.textfiles import once_per_file
 from screwsim.numerics.pchip import Pchip
 from screwsim.numerics.roots import brentq
 from screwsim.outputs.customary import ZERO_CELSIUS, in_bar, in_celsius
@@ -25,9 +29,12 @@ STEP = 1.0  # [K] between the temperatures at which CoolProp is evaluated
 MOST = 20.0  # [kg/kg] largest content of the ester's law
 HIGHEST = 370.0  # [K] the same law's highest temperature, below the critical one
 LEAST = 1e-9  # [kg/kg] content below which Henry's law holds
-NEAR_CRITICAL = 0.99  # of the critical temperature: highest temperature of points
+EXPANDS = 0.85  # of the critical temperature: from there on dissolved molecules take no more room, unlike the liquid's
+REACH = 1.2  # of the critical temperature: highest temperature of points
 T_0 = 300.0  # [K] reference temperature of M198
 COLUMNS = "temperature_degC", "pressure_bar", "refrigerant_percent"
+REFRIGERANT = "refrigerant"  # the column that names each row's refrigerant, where a file has it
+SHARES = 1.0  # highest refrigerant_percent of a file up to which shares are taken to stand there
 FEWEST, SPREAD = 6, 20.0  # points, and [K] between the coldest and the warmest
 COOLED = 30.0  # [K] below the coldest point, to which the law is extrapolated
 POOR = 0.3  # relative distance of a point's pressure from the fitted law from which on it is refused
@@ -37,28 +44,59 @@ CHECKED = 7, 400  # temperatures and contents at which pressures are looked at
 class SolubilityLaw:
     """What one oil dissolves of one refrigerant, from `low` to `high` [K] and up to `most` [kg/kg].
 
-    Below `known_from` [K] it is an extrapolation, for oil that flashing cools.
+    Below `known_from` [K] it is an extrapolation, for oil that flashing cools. Beyond `expands_to` [K] the density of
+    the refrigerant's liquid keeps its value.
     """
 
     def __init__(self, fluid: str, low: float, high: float, most: float) -> None:
         self.fluid, self.low, self.high, self.most = fluid, low, high, most
         self.known_from = low
+        self.expands_to = self.last_liquid
 
     @cached_property
     def _saturation(self) -> tuple[Pchip, Pchip]:
-        """ln p_sat [Pa] over 1/T and the density of saturated liquid [kg/m³] over T [K]."""
+        """ln p_sat [Pa] over 1/T and the density [kg/m³] over T [K], of the reference state."""
         T = np.linspace(self.low, self.high, 1 + math.ceil((self.high - self.low) / STEP))
-        p = [constants.dew_pressure(self.fluid, float(each)) for each in T]
-        rho = [constants.saturated_liquid_density(self.fluid, float(each)) for each in T]
+        p = [reference_pressure(self.fluid, float(each)) for each in T]
+        rho = [constants.saturated_liquid_density(self.fluid, min(float(each), self.expands_to)) for each in T]
         return Pchip(1.0 / T[::-1], np.log(p[::-1])), Pchip(T, np.array(rho))
 
     def p_sat(self, T: float) -> float:
-        """Return the refrigerant's saturation pressure [Pa] at T [K]."""
+        """Return the refrigerant's saturation pressure [Pa] at T [K], or its continuation."""
         return math.exp(self._saturation[0](1.0 / T))
 
     def liquid_density(self, T: float) -> float:
-        """Return the density [kg/m³] of the refrigerant's saturated liquid at T [K]."""
+        """Return the density [kg/m³] of the refrigerant's saturated liquid at T [K], or its continuation."""
         return self._saturation[1](T)
+
+    @cached_property
+    def _viscosity(self) -> Pchip:
+        """ln μ [Pa s] of saturated liquid over T [K]."""
+        high = self.last_liquid
+        low = min(self.known_from, high - COOLED)
+        T = np.linspace(low, high, 1 + math.ceil((high - low) / STEP))
+        return Pchip(T, np.log([saturated_liquid_viscosity(self.fluid, float(each)) for each in T]))
+
+    @cached_property
+    def last_liquid(self) -> float:
+        """Highest of its temperatures [K] at which the refrigerant has a saturated liquid."""
+        return min(self.high, last_saturation(self.fluid))
+
+    @cached_property
+    def beyond(self) -> bool:
+        """Whether it reaches beyond the saturation of the refrigerant."""
+        return self.high > self.last_liquid
+
+    def liquid_viscosity(self, T: float) -> float:
+        """Return the viscosity [Pa s] of the refrigerant's saturated liquid at T [K], the last one beyond its end.
+
+        Raises UsageError where there is none.
+        """
+        return math.exp(self._viscosity(min(T, self.last_liquid)))
+
+    def within(self, T: float) -> float:
+        """Return T [K], or the end of the law's temperatures beyond which it lies."""
+        return min(max(T, self.known_from), self.high)
 
     def vapour(self, T: float) -> Fugacity:
         """Return the fugacity of the refrigerant's vapour at T [K]."""
@@ -119,7 +157,7 @@ class Measured(SolubilityLaw):
         T = [each.T for each in points]
         low = max(min(T) - COOLED, _ends(fluid)[0])
         super().__init__(fluid, low, max(T), max(each.ratio for each in points))
-        self.known_from = min(T)
+        self.known_from, self.expands_to = min(T), EXPANDS * last_saturation(fluid) / NEAR_CRITICAL
         rows, logarithms = [], []
         for each in points:
             ideal, oil = self._ideal(each.ratio, each.T)
@@ -184,12 +222,20 @@ def _vapour(law: SolubilityLaw, T: float) -> Fugacity:
 ESTER = Ester(solubility.FLUID, solubility.LOW, HIGHEST, MOST)
 
 
-def read_points(path: str) -> tuple[Point, ...]:
-    """Return the measured points of a CSV file; raise UsageError in one line where it has none."""
+@once_per_file
+def read_points(path: str, fluid: str) -> tuple[Point, ...]:
+    """Return the measured points of a fluid in a CSV file; raise UsageError in one line where it has none.
+
+    Rows of other refrigerants are left out, where the file names them.
+    """
     columns = f"the columns {', '.join(COLUMNS)}"
     found = []
     with sheet_or_usage_error(f"name a CSV file with {columns}"):
-        for line, cells in read_sheet(path).columns(*COLUMNS):
+        sheet = read_sheet(path)
+        others = _lines_of_others(sheet, fluid)
+        for line, cells in sheet.columns(*COLUMNS):
+            if line in others:
+                continue
             try:
                 celsius, bar, percent = map(float, cells)
             except ValueError:
@@ -198,7 +244,26 @@ def read_points(path: str) -> tuple[Point, ...]:
                 what = "has a pressure not above 0, or refrigerant not between 0 and 100 % of the solution's mass"
                 raise BadSheet(f"{what} (leave the row out)", line)
             found.append(Point(line, ZERO_CELSIUS + celsius, 1e5 * bar, percent / (100.0 - percent)))
+    most = max((each.ratio / (1.0 + each.ratio) for each in found), default=1.0)
+    if 100.0 * most <= SHARES:
+        what = f"has no {COLUMNS[-1]} above {100.0 * most:.3g}, as if they were shares"
+        raise UsageError(f"{what} (write percent of the solution's mass: {1e4 * most:.3g} for {100.0 * most:.3g})")
     return tuple(found)
+
+
+def _lines_of_others(sheet: Sheet, fluid: str) -> set[int]:
+    """Return the lines that name another refrigerant; raise BadSheet where all do, or for an unknown one."""
+    if REFRIGERANT not in sheet.names:
+        return set()
+    named = {line: name for line, (name,) in sheet.columns(REFRIGERANT)}
+    for line, name in named.items():
+        if constants.limits(name) is None:
+            raise BadSheet(f"{name!r} is no refrigerant that CoolProp has (write e.g. R134a)", line)
+    others = {line for line, name in named.items() if describe(name).name != describe(fluid).name}
+    if others and len(others) == len(named):
+        has = ", ".join(dict.fromkeys(named.values()))
+        raise BadSheet(f"has points of {has}, none of {fluid} (name a file that has, or remove the effect)")
+    return others
 
 
 @lru_cache(maxsize=8)
@@ -208,10 +273,10 @@ def law_of_points(fluid: str, points: tuple[Point, ...]) -> Measured:
 
 
 def _ends(fluid: str) -> tuple[float, float]:
-    """Return the temperatures [K] between which a law refers to a fluid's saturation."""
+    """Return the temperatures [K] between which points give a law."""
     known = constants.limits(fluid)
     assert known is not None  # a fluid of a scene
-    return known.T_triple, NEAR_CRITICAL * known.T_critical
+    return known.T_triple, REACH * known.T_critical
 
 
 def _check_points(fluid: str, points: Sequence[Point]) -> None:
@@ -222,7 +287,10 @@ def _check_points(fluid: str, points: Sequence[Point]) -> None:
             ends = f"{in_celsius(lowest)} to {in_celsius(highest)}, where the law of M198 holds for {fluid}"
             what = f"{in_celsius(each.T)} is outside {ends}"
             raise UsageError(f"line {each.line}: {what} (write it in degC, or leave the row out)")
-        p_sat = constants.dew_pressure(fluid, each.T)
+        p_sat = reference_pressure(fluid, each.T)
+        if each.p >= p_sat and each.T > last_saturation(fluid):
+            what = f"at {in_celsius(each.T)} the law of M198 holds below {in_bar(p_sat)}, not at {in_bar(each.p)}"
+            raise UsageError(f"line {each.line}: {what} (write absolute pressures in bar, or leave the row out)")
         if each.p >= p_sat:
             what = f"{in_bar(each.p)} is not below {in_bar(p_sat)}, at which {fluid} condenses at {in_celsius(each.T)}"
             raise UsageError(f"line {each.line}: {what} (write absolute pressures in bar; leave out rows of liquid)")

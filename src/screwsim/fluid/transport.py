@@ -58,6 +58,20 @@ def viscosity(fluid: str, p: float, T: float) -> float:
     return ask(f"{fluid} viscosity {p!r} {T!r}", question)
 
 
+def saturated_liquid_viscosity(fluid: str, T: float) -> float:
+    """Return the viscosity [Pa s] of saturated liquid at T [K]. Raises UsageError where CoolProp has none."""
+
+    def question() -> float:
+        state, coolprop = coolprop_state(fluid)
+        try:
+            state.update(coolprop.QT_INPUTS, 0.0, T)
+            return state.viscosity()
+        except ValueError:
+            raise UsageError(f"CoolProp has no viscosity of liquid {fluid} at {in_celsius(T)}") from None
+
+    return ask(f"{fluid} liquid viscosity {T!r}", question)
+
+
 def _of_vapour(fluid: str, p: float, T: float, read: Callable[[Any], list[float]]) -> list[float]:
     """Return what `read` takes from CoolProp's state of a vapour at p [Pa] and T [K]. Raises UsageError."""
     state, coolprop = coolprop_state(fluid)

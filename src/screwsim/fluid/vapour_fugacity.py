@@ -1,5 +1,7 @@
 """Fugacity of a pure vapour at one temperature over that at its saturation, as a function of p/p_sat, and its inverse.
 
+Beyond the saturation's end p_sat is the pressure of the reference state (`reference_state`).
+
 ln φ / (p/p_sat) is a polynomial over temperature and over t, in which √(1 − κ p/p_sat) is linear: the vapour's
 volume has such a root at its spinodal, which near the critical temperature is just beyond saturation. Nodes are those
 of Chebyshev. Of R134a from 255 K to 370 K, ln(f/f_sat) is within 2e-6 of CoolProp's between them
@@ -14,6 +16,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from screwsim.fluid.constants import ask
+from screwsim.fluid.reference_state import last_saturation, reference_pressure
 
 Array = np.ndarray
 
@@ -83,7 +86,7 @@ class FugacityTable:
 
 
 def _coefficients(fluid: str, temperatures: list[float], shares: list[float]) -> list[list[float]]:
-    """Return CoolProp's φ of the vapour at temperatures [K] and shares of the saturation pressures."""
+    """Return CoolProp's φ of the vapour at temperatures [K] and shares of the pressures of the reference state."""
 
     def question() -> list[list[float]]:
         import CoolProp.CoolProp as coolprop
@@ -91,9 +94,12 @@ def _coefficients(fluid: str, temperatures: list[float], shares: list[float]) ->
         state, found = coolprop.AbstractState("HEOS", fluid), []
         for T in temperatures:
             state.unspecify_phase()
-            state.update(coolprop.QT_INPUTS, 1.0, T)
-            p_sat = state.p()
-            state.specify_phase(coolprop.iphase_gas)
+            if last_saturation(fluid) >= T:
+                state.update(coolprop.QT_INPUTS, 1.0, T)
+                p_sat = state.p()
+                state.specify_phase(coolprop.iphase_gas)
+            else:
+                p_sat = reference_pressure(fluid, T)
             found.append([])
             for share in shares:
                 state.update(coolprop.PT_INPUTS, share * p_sat, T)
@@ -109,5 +115,5 @@ def _nodes(count: int) -> Array:
 
 @lru_cache(maxsize=4)
 def fugacity_table(fluid: str, low: float, high: float) -> FugacityTable:
-    """Return the table of a pure fluid between temperatures [K] below its critical one."""
+    """Return the table of a pure fluid between temperatures [K]."""
     return FugacityTable(fluid, low, high)

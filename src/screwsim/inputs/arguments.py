@@ -152,13 +152,17 @@ PROGRESS = Kind(_progress, "not a setting of progress (pass True, False or None)
 NUMBERS = Kind(_numbers, "neither a text such as '140, 163 mm' nor a list of numbers")
 MAPPING = Kind(lambda given: isinstance(given, Mapping), "no dict")
 # arguments that mean the same in every function
-KIND_BY_NAME: dict[str, Kind] = {"figure": TEXT, "jobs": JOBS, "output": FILE, "progress": PROGRESS, "seed": SEED}
-KIND_BY_NAME |= (
-    {"overrides": OVERRIDES}
-    | dict.fromkeys(("figures", "without"), TEXTS)
-    | dict.fromkeys(("restart", "minimum"), FLAG)
-)
-KIND_BY_NAME |= dict.fromkeys(("simulate", "simulate_many", "warm_up"), CALLABLE)
+KIND_BY_NAME: dict[str, Kind] = {
+    "figure": TEXT,
+    "jobs": JOBS,
+    "output": FILE,
+    "overrides": OVERRIDES,
+    "progress": PROGRESS,
+    "seed": SEED,
+    **dict.fromkeys(("figures", "without"), TEXTS),
+    **dict.fromkeys(("restart", "minimum"), FLAG),
+    **dict.fromkeys(("simulate", "simulate_many", "warm_up"), CALLABLE),
+}
 
 
 def as_list(given: str | Iterable[T] | None) -> list[str] | list[T]:

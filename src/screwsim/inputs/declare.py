@@ -101,6 +101,7 @@ KINDS = {
         Kind("surface_tension", "N/m", "30 mN/m", most=10.0),
         Kind("heat_transfer_coefficient", "W/(m^2 K)", "500 W/(m^2 K)", most=1e12),
         Kind("conductance", "W/K", "0.5 kW/K", most=1e12),
+        Kind("molar_mass", "kg/mol", "590 g/mol", most=1e3),
         Kind("thermal_expansion", "1/K", "11.5 um/(m K)", most=0.01),
     )
 }
@@ -153,7 +154,7 @@ def _field(
 ) -> Any:
     wrong = [name for name in limits if name not in LIMITS]
     if wrong:
-        known = ", ".join((*Limits.__annotations__,))
+        known = ", ".join(Limits.__annotations__)
         raise TypeError(f"{', '.join(wrong)}: no such keyword of a declared field; known: {known}")
     stated = {name: value for name, value in limits.items() if value is not None}
     leaf = Leaf(kind, doc, default, stated, hardly, remedy, otherwise, auto)

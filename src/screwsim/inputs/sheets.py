@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import counted
 from screwsim.inputs.textfiles import MOST_TABLE, Unreadable, read_text
 
 MOST_CELLS, MOST_ROWS = 4096, 200_000
@@ -121,7 +122,7 @@ def sheet_of(text: str) -> Sheet:
         if count != wanted:
             more = "write decimal points, not decimal commas" if head.mark == COMMA else "leave the rest out"
             remedy = more if count > wanted else "fill the row"
-            what = f"has {count} cell{'s' * (count != 1)}, but the first line has {wanted}"
+            what = f"has {counted(count, 'cell')}, but the first line has {wanted}"
             raise BadSheet(f"{what} ({remedy}: one cell per column)", row.line)
     if head.cells[0] == NAMES and len(head.cells) > 1:
         for number, line in numbered:

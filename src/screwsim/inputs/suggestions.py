@@ -2,7 +2,7 @@
 
 A typing error is corrected. Names that differ in a number, in one letter of a short word (phi_A, min and max) or in a
 whole word (suction and discharge) are not suggested: they mean other things, and whoever followed the suggestion would
-not notice. Also joins names as in a sentence.
+not notice. Also joins names as in a sentence, counts things, and puts an article before a noun.
 """
 
 import re
@@ -89,3 +89,13 @@ def _edit_distance(a: str, b: str) -> int:
 def joined_names(names: Sequence[str]) -> str:
     """Return one or more names as in a sentence: a, b and c."""
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def counted(count: int, noun: str) -> str:
+    """Return how many things there are: 1 case, 2 cases."""
+    return f"{count} {noun}{'s' * (count != 1)}"
+
+
+def with_article(noun: str) -> str:
+    """Return a noun with its article: a length, an area."""
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"

@@ -5,14 +5,21 @@ A pipe or a device may never end, and opening one may block for ever, so the typ
 
 import os
 import stat
+from collections.abc import Callable
+from functools import lru_cache, wraps
 from pathlib import Path
+from typing import Concatenate, ParamSpec, TypeVar
 
 PACKAGE, CONFIGS = Path(__file__).resolve().parents[1], "configs"
 
 MOST_YAML = 4_000_000  # [byte] largest scene, fit or file of stages: some tens of thousands of lines
 MOST_TABLE = 16_000_000  # [byte] largest table
 _MEGA = 1_000_000
-_HDF5 = b"\x89HDF"
+HDF5 = b"\x89HDF"  # first bytes of a file of results
+_KEPT = 32  # files of one kind that are remembered
+
+More = ParamSpec("More")
+Found = TypeVar("Found")
 
 
 class Unreadable(Exception):
@@ -50,6 +57,23 @@ def stamp(path: str | os.PathLike[str]) -> tuple[int, ...]:
     return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
 
 
+def once_per_file(read: Callable[Concatenate[str, More], Found]) -> Callable[Concatenate[str, More], Found]:
+    """Let a function of a file, and of more that can be hashed, read it again only when its `stamp` has changed.
+
+    Many callers share what it returns, which must not be changed; what it raises is not remembered.
+    """
+
+    @lru_cache(maxsize=_KEPT)
+    def remembered(path: str, _stamp: tuple[int, ...], *more: More.args, **named: More.kwargs) -> Found:
+        return read(path, *more, **named)
+
+    @wraps(read)
+    def reader(path: str, *more: More.args, **named: More.kwargs) -> Found:
+        return remembered(path, stamp(path), *more, **named)
+
+    return reader
+
+
 def read_bytes(path: str | os.PathLike[str], most: int) -> bytes:
     """Return the content of a regular file of at most `most` bytes; raise Unreadable."""
     try:
@@ -79,7 +103,7 @@ def read_text(path: str | os.PathLike[str], most: int = MOST_TABLE) -> str:
     except UnicodeDecodeError as error:
         before = content[: error.start].decode("utf-8", "replace")
         line, column = before.count("\n") + 1, len(before.rpartition("\n")[2]) + 1
-        raise Unreadable("it is not UTF-8 text", line, column, content.startswith(_HDF5)) from None
+        raise Unreadable("it is not UTF-8 text", line, column, content.startswith(HDF5)) from None
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 

@@ -122,6 +122,8 @@ def opening_angle(machine: TwinScrew, ratio: float) -> float:
             found = 0.75 * LIFE
         return LIFE if found is None else found
     largest, c = law.max or 0.0, float(law.phi_A or 0.0) / TURN
+    if largest <= 0.0:  # reported with the volume
+        return 0.75 * LIFE
     left = ((largest + law.dead) / ratio - law.dead) / largest  # value of the bump, M15
     if left <= 0.0:
         return LIFE

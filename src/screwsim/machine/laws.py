@@ -15,7 +15,7 @@ from screwsim.machine import moved_port, paper_law
 from screwsim.machine.paper_law import LIFE, TURN
 from screwsim.machine.protocol import AreaLaw, VolumeKernels
 from screwsim.numerics.kernel import kernel
-from screwsim.numerics.spline import features, read_curve, slope_oscillation, table_slope, table_value
+from screwsim.numerics.spline import features, negligible_areas, read_curve, slope_oscillation, table_slope, table_value
 
 if TYPE_CHECKING:
     from screwsim.machine.geometry import Geometry
@@ -48,8 +48,13 @@ def _apart(angles: np.ndarray) -> float:
 
 
 def area_breakpoints(angles: np.ndarray, areas: np.ndarray) -> tuple[float, ...]:
-    """Return the breakpoints of an area table: those of its angles, where the port opens or closes, narrow peaks."""
-    return tuple(sorted({*table_breakpoints(angles), *features(angles, areas)}))
+    """Return the breakpoints of an area table: those of its angles, where the port opens or closes, narrow peaks.
+
+    Rows of zeros before it opens and after it has closed have none.
+    """
+    is_open = np.flatnonzero(~negligible_areas(areas))
+    some = slice(max(int(is_open[0]) - 1, 0), int(is_open[-1]) + 2) if len(is_open) else slice(None)
+    return tuple(sorted({*table_breakpoints(angles[some]), *features(angles, areas)}))
 
 
 def _rows(angles: np.ndarray, areas: np.ndarray) -> AreaLaw:

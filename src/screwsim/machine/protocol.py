@@ -259,12 +259,16 @@ class Size:
 
 @dataclass(frozen=True)
 class Speed:
-    """What moves at `surface_speed`, in words; the highest speed [m/s], the highest usual one, and the reason."""
+    """What moves at `surface_speed`, in words; the highest speed [m/s], the highest usual one, and the reason.
+
+    `with_oil` is the highest usual one of a machine with oil in its chambers, where that is lower.
+    """
 
     what: str
     most: float
     usual: float
     why: str
+    with_oil: float | None = None
 
 
 @dataclass(frozen=True)
@@ -276,7 +280,8 @@ class MachineKind:
     area of a table; `scales` are those to which effects compare sizes of their own. `called` are other words for the
     kind, `chamber` is its chamber in words. `dead_volume` returns path and size [m³] of the volume left in a chamber,
     an empty path where a table holds it. `derived` fills in settings that follow from others stated in their place, and
-    `stated` yields the faults of settings that are stated twice or not at all; it is called before anything else.
+    `stated` yields the faults of settings that are stated twice or not at all, or of lengths that make no machine; it
+    is called before anything else.
     """
 
     settings: type

@@ -84,6 +84,9 @@ def _dead_volume(machine: TwinScrew) -> tuple[str, float]:
     return path, machine.volume.dead_of(Geometry(machine).swept_volume)
 
 
+# [m/s] dry rotors run at 50 to 150 m/s, flooded ones slower (Brun, Kurz (eds.): Compression Machinery for Oil and Gas,
+# Elsevier 2019, p. 260); how much slower is assumed: those of `validation` reach 50 m/s, the paper's sweep 67
+USUAL_DRY, USUAL_WITH_OIL = 150.0, 80.0
 _OFFERS = frozenset({protocol.PORTS, *protocol.GAPS, protocol.OIL, protocol.HOLES, protocol.ROTORS})
 MACHINE = MachineKind(
     settings=TwinScrew,
@@ -92,7 +95,7 @@ MACHINE = MachineKind(
     check=_check,
     sizes=_SIZES,
     scales=_SCALES,
-    speed=Speed("moves the rotors' tips at", 1000.0, 150.0, "steel bursts at about 500 m/s"),
+    speed=Speed("moves the rotors' tips at", 1000.0, USUAL_DRY, "steel bursts at about 500 m/s", USUAL_WITH_OIL),
     tables=Size("", _shell, _WALL, WIDEST, (_ANY, math.inf)),
     called=("screw", "double_screw"),
     chamber="a chamber",

@@ -19,6 +19,8 @@ from screwsim.numerics.spline import LEAST, features, negligible_areas, pack_cur
 Array = np.ndarray
 EVERY = math.radians(0.2)  # spacing of samples: a narrower feature may be missed
 PLACED = 1e-6  # rad, to which it is found where a path opens or shuts between two samples
+TOGETHER = 1e-7  # rad, within which angles count as one, the injection angle before others
+MET = 1e-9  # rad, within which a step ends at the injection angle (`model.network.steps`)
 STATED = math.radians(0.5)  # distance from a declared breakpoint within which no other is needed
 
 
@@ -41,8 +43,10 @@ def breakpoints(parts: Parts, law: Any) -> np.ndarray:
     inside = sorted({0.0, life, *(at for at in found if 0.0 < at < life)})
     kept = [inside[0]]
     for at in inside[1:]:
-        if at - kept[-1] > 1e-7:
+        if at - kept[-1] > TOGETHER:
             kept.append(at)
+        elif at == geometry.injection_angle and at - kept[-1] > MET:
+            kept[-1] = at
     kept[-1] = life
     return np.array(kept)
 

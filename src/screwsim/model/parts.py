@@ -116,6 +116,11 @@ class Parts:
         return self.oil_port is not None and self.oil is not None and "ratio" in self.oil.supply
 
     @once
+    def oil_thinning(self) -> base.OilThinning | None:
+        """What dissolved gas makes of the oil's viscosity; None where it is that of pure oil."""
+        return self._only(base.OilThinning, "a viscosity of the oil")
+
+    @once
     def oil_gas(self) -> base.OilGas | None:
         """The dissolved gas that the oil brings; None where it brings none."""
         found = self._only(base.OilGas, "dissolved gas")

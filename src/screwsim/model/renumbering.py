@@ -18,6 +18,7 @@ from screwsim.effects.base import (
     LineLeak,
     Made,
     OilPort,
+    OilThinning,
     PowerLoss,
     Reading,
     Resistance,
@@ -48,7 +49,7 @@ STRUCTURE: dict[type, tuple[str, ...]] = {
 }
 _STRUCTURE = {kind: attrgetter(*names) for kind, names in STRUCTURE.items()}
 # parts of which the text has nothing, or (`Made`) the name alone: they may differ; all others must be equal
-OUTSIDE_TEXT = (Made, PowerLoss, Reading, Shaft, Separator, SuctionChange, LineLeak, SuctionHeat)
+OUTSIDE_TEXT = (Made, OilThinning, PowerLoss, Reading, Shaft, Separator, SuctionChange, LineLeak, SuctionHeat)
 OF_GAS = ("state", "phased_state", "specific_entropy", "varies")  # the same of a gas, besides the names of its values
 
 

@@ -1,67 +1,79 @@
 """Names that a composition defines in its generated module, used by the kernels of this package, and fixed indices.
 
-Functions: `gas_state(T, rho, P, TAB)`, `gas_phase(T, rho, P, TAB)` → 0 or 1, `phased_state(phase, T, rho, P, TAB)` (the
-state in a given phase, continued beyond its border), `gas_entropy(T, rho, P, TAB)`, `volume_at(phi, P, TAB)`,
-`volume_slope_at(phi, P, TAB)`, `injected_oil(p, m, P)` → oil mass offered to one chamber at the injection angle [kg],
-`oil_inflow(phi, p, P, TAB)` → oil [kg/s] through the oil ports of a chamber at phi and pressure p, `given_off(y, phi,
-E, own, P, TAB)` → gas [kg/s] that a chamber's oil releases, or that flashes out of entering oil, `solution_entropy(w,
-P, TAB)` → entropy [J/(kg K)] of gas dissolved in oil that holds w, and of all that a kilogram of oil holds,
-`around_chamber(phi, middle, context, E)` → the surroundings of a chamber, in E, `path_flows(y, E, context, out)` → flow
-[kg/s] into a chamber through each path, `films_into` that of oil films, `add_moment(phi, y, mass_rate, E, context,
-flows, s_suction, s_discharge, dt, paths, heats, oil)` → the ledger's sums, `push_on(T, rho, y, R, P, TAB)` →
-acceleration at rest of what moves between a seat and a stop, one for each, `neighbour(columns, P, R, E, at)` → the port
-state of a neighbour at E[at], `keep_port_states(step, dense, context)` → what a history stores of a step beyond the
-states, `gas_in(V, y, at, P)` → gas [kg] in a chamber of a volume whose states begin at y[at], `mass_rate(theta, step,
-times, dense, E, y, P)` → dm/dφ [kg/rad] of a chamber's gas along a step, `balanced(flows, mass_rate, E, own, R, P)` →
-the flow through the widest port from the mass balance, `balanced_alone(flows, mass_rate)` → that of the only port that
-is open to a line, `faces_line(phi, P, TAB)` → whether a chamber is open to a line, `add_to_lines(flows, phi, V, share,
-k, points, P, into, volume)` → adds a share of its flows into the lines, `lets_out(phi, middle, P, TAB)` → whether it is
-open to the discharge line, also by a gap beyond the last chamber, `add_outflow(heat, mass, flows, T_oil, weight, E)` →
-adds what leaves it to the discharge line.
-
-By number, for use from Python: `path_area(i, phi, P, TAB)` (ports, then gaps; flow coefficient included),
+Only from Python, by number: `path_area(i, phi, P, TAB)` (ports, then gaps; flow coefficient included),
 `path_opening(i, drop, width, held, y, at, P)` → open share of a port at a pressure difference into the chamber,
 `stop_push(i, p, p_suction, p_discharge, y, at, P)` and `push_on(i, T, rho, y, R, P, TAB)`, and `line_pulse(i, phi, P)`
 → (offset, pulsation) of the pressure of line i (0 suction, 1 discharge) over itself.
 
-Constants: N (states of a chamber), N_FLOWS (paths into a chamber, both sides of gaps), N_FILMS (sides of gaps),
-CHAMBERS (alive at once), the indices into P that depend on the number of own plenums, and those of `network.layout`.
-
-Indices into P, R and a port state that are fixed for every composition are defined here too.
+Also defined: the indices into P that depend on the number of own plenums, and those of `network.layout`. Indices into
+P, R and a port state that are fixed for every composition stand here, too.
 """
 
 from typing import Any
 
 from screwsim.numerics.kernel import Slot, Structure
 
+# ---- the gas ---------------------------------------------------------------------------------------------------------
+# (T, rho, P, TAB)
 gas_state: Any = Slot("gas_state")
+# (T, rho, P, TAB) → 0 or 1
 gas_phase: Any = Slot("gas_phase")
+# (phase, T, rho, P, TAB) → the state in that phase, continued beyond its border
 phased_state: Any = Slot("phased_state")
+# (T, rho, P, TAB)
 gas_entropy: Any = Slot("gas_entropy")
-push_on: Any = Slot("push_on")
-path_area: Any = Slot("path_area")
-line_pulse: Any = Slot("line_pulse")
-volume_at: Any = Slot("volume_at")
-volume_slope_at: Any = Slot("volume_slope_at")
-injected_oil: Any = Slot("injected_oil")
-oil_inflow: Any = Slot("oil_inflow")
-solution_entropy: Any = Slot("solution_entropy")
-neighbour: Any = Slot("neighbour", "chamber__neighbour")
-keep_port_states: Any = Slot("keep_port_states", "chamber__keep_port_states")
+# (V, y, at, P) → gas [kg] in a chamber whose states begin at y[at]
 gas_in: Any = Slot("gas_in", "chamber__gas")
-mass_rate: Any = Slot("mass_rate", "chamber__mass_rate")
-balanced: Any = Slot("balanced", "chamber__balanced")
-given_off: Any = Slot("given_off", "chamber__given_off")
-path_flows: Any = Slot("path_flows", "chamber__path_flows")
-films_into: Any = Slot("films_into", "chamber__oil_films")
-add_moment: Any = Slot("add_moment", "ledger__add_moment")
-add_outflow: Any = Slot("add_outflow", "chamber__add_outflow")
-add_to_lines: Any = Slot("add_to_lines", "chamber__add_to_lines")
-around_chamber: Any = Slot("around_chamber", "chamber__surroundings")
-balanced_alone: Any = Slot("balanced_alone", "chamber__balanced_alone")
-faces_line: Any = Slot("faces_line", "chamber__faces_line")
-lets_out: Any = Slot("lets_out", "chamber__lets_out")
 
+# ---- machine and oil -------------------------------------------------------------------------------------------------
+# (phi, P, TAB)
+volume_at: Any = Slot("volume_at")
+# (phi, P, TAB)
+volume_slope_at: Any = Slot("volume_slope_at")
+# by number, see above
+path_area: Any = Slot("path_area")
+# by number, see above
+line_pulse: Any = Slot("line_pulse")
+# (T, rho, y, R, P, TAB) → acceleration at rest of each that moves between a seat and a stop
+push_on: Any = Slot("push_on")
+# (p, m, P) → oil [kg] offered to one chamber at the injection angle
+injected_oil: Any = Slot("injected_oil")
+# (phi, p, P, TAB) → oil [kg/s] through the oil ports of a chamber
+oil_inflow: Any = Slot("oil_inflow")
+# (y, phi, E, own, P, TAB) → gas [kg/s] that a chamber's oil releases, or that flashes out of entering oil
+given_off: Any = Slot("given_off", "chamber__given_off")
+# (w, P, TAB) → entropy [J/(kg K)] of gas dissolved in oil that holds w, and of all that a kilogram holds
+solution_entropy: Any = Slot("solution_entropy")
+
+# ---- a chamber among its neighbours ----------------------------------------------------------------------------------
+# (phi, middle, context, E): fills E with the surroundings
+around_chamber: Any = Slot("around_chamber", "chamber__surroundings")
+# (columns, P, R, E, at): the port state of a neighbour, at E[at]
+neighbour: Any = Slot("neighbour", "chamber__neighbour")
+# (step, dense, context): what a history stores of a step beyond the states
+keep_port_states: Any = Slot("keep_port_states", "chamber__keep_port_states")
+# (theta, step, times, dense, E, y, P) → dm/dφ [kg/rad] of a chamber's gas along a step
+mass_rate: Any = Slot("mass_rate", "chamber__mass_rate")
+# (y, E, context, out): flow [kg/s] into a chamber through each path
+path_flows: Any = Slot("path_flows", "chamber__path_flows")
+# the same of oil films
+films_into: Any = Slot("films_into", "chamber__oil_films")
+# (flows, mass_rate, E, own, R, P) → the flow through the widest port from the mass balance
+balanced: Any = Slot("balanced", "chamber__balanced")
+# (flows, mass_rate) → that of the only port that is open to a line
+balanced_alone: Any = Slot("balanced_alone", "chamber__balanced_alone")
+# (phi, P, TAB) → whether a chamber is open to a line
+faces_line: Any = Slot("faces_line", "chamber__faces_line")
+# (phi, middle, P, TAB) → whether it is open to the discharge line, also by a gap beyond the last chamber
+lets_out: Any = Slot("lets_out", "chamber__lets_out")
+# (flows, phi, V, share, k, points, P, into, volume): adds a share of its flows into the lines
+add_to_lines: Any = Slot("add_to_lines", "chamber__add_to_lines")
+# (heat, mass, flows, T_oil, weight, E): adds what leaves it to the discharge line
+add_outflow: Any = Slot("add_outflow", "chamber__add_outflow")
+# (phi, y, mass_rate, E, context, flows, s_suction, s_discharge, dt, paths, heats, oil): adds to the ledger's sums
+add_moment: Any = Slot("add_moment", "ledger__add_moment")
+
+# ---- counts: states of a chamber, paths into it (both sides of gaps), chambers alive at once -------------------------
 N: Any = Slot("N")
 N_FLOWS: Any = Slot("N_FLOWS")
 CHAMBERS: Any = Slot("CHAMBERS")

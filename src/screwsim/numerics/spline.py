@@ -8,13 +8,12 @@ c[4i+1] s + c[4i+2] s² + c[4i+3] s³ in s = x − x_i. Outside the table the cu
 
 import math
 from collections.abc import Sequence
-from functools import lru_cache
 
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
-from screwsim.inputs.textfiles import stamp
+from screwsim.inputs.textfiles import once_per_file
 from screwsim.numerics import pchip
 from screwsim.numerics.kernel import kernel
 
@@ -24,17 +23,12 @@ SEEN = 0.02  # change over the largest value below which a reversal of a curve i
 NARROW = math.radians(15.0)  # distance of two reversals of a curve below which a step could jump over them
 
 
+@once_per_file
 def read_curve(path: str, column: str) -> tuple[Array, Array]:
     """Return angle [rad] and the values of `column` from a CSV file with a header; angles must increase.
 
-    A file that has not changed is read once. Raises `UsageError` in one line: the file, its line and the remedy.
+    Raises `UsageError` in one line: the file, its line and the remedy.
     """
-    return _read(path, column, stamp(path))
-
-
-@lru_cache(maxsize=32)
-def _read(path: str, column: str, _stamp: tuple[int, ...]) -> tuple[Array, Array]:
-    """Read a curve; `_stamp` changes when the file does."""
     with sheet_or_usage_error("name an existing CSV file", path):
         rows = read_sheet(path).columns("angle_deg", column)
     angles, values = [], []

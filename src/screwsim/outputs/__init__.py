@@ -45,6 +45,7 @@ from screwsim.outputs.variables import (
     KNOCK_OUT_STATUSES,
     LEDGER,
     LEDGER_ENTRY,
+    LEDGER_SUMMARY,
     NUMERICS,
     NUMERICS_TEXT,
     STATUSES,

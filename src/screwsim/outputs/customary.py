@@ -5,6 +5,7 @@ import re
 
 ZERO_CELSIUS = 273.15  # [K]
 RPM = math.pi / 30.0  # [rad/s]
+MINUTE, HOUR = 60.0, 3600.0  # [s]
 # SI unit -> (smallest size, factor, unit), largest size first
 SCALES = {
     "W": ((1e3, 1e-3, "kW"), (0.0, 1.0, "W")),

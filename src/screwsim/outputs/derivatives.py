@@ -123,9 +123,7 @@ class Derivatives(Mapping[tuple[str, str], float]):
             return f"Derivatives: none ({size})"
         paths = sorted(found.values, key=lambda path: -self._weight(figures[0], path))[:MOST_PATHS]
         rows = [["", *figures], *([path, *(self._told(figure, path) for figure in figures)] for path in paths)]
-        widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
-        lines = ("  ".join(f"{cell:<{width}}" for cell, width in zip(row, widths, strict=True)) for row in rows)
-        return "\n".join([f"Derivatives: {size}, SI units", *(line.rstrip() for line in lines)])
+        return "\n".join([f"Derivatives: {size}, SI units", *display.aligned(rows)])
 
     def __reduce__(self) -> tuple[Any, ...]:
         own = self._performance, self.scene

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from html import escape
 from typing import Any, NamedTuple, TypeVar
 
@@ -79,16 +79,23 @@ class Brief:
         heading, notes, columns, rows = self._about()
         kept = (columns, *rows[:MOST_ROWS]) if rows else ()
         cells = [[_short(cell) for cell in row[:MOST_COLUMNS]] for row in kept]
-        widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-        lines = ["  ".join(f"{cell:<{n}}" for cell, n in zip(row, widths, strict=True)).rstrip() for row in cells]
         more = _left_out(len(rows) - MOST_ROWS, len(columns) - MOST_COLUMNS)
-        return "\n".join([heading, *map(_short, notes), *lines, *more])
+        return "\n".join([heading, *map(_short, notes), *aligned(cells), *more])
 
     def _repr_html_(self) -> str:
         heading, notes, columns, rows = self._about()
         shown = [[escape(cell) for cell in row[:MOST_HTML_COLUMNS]] for row in rows[:MOST_HTML_ROWS]]
         more = _left_out(len(rows) - MOST_HTML_ROWS, len(columns) - MOST_HTML_COLUMNS)
         return _html(heading, [*notes, *more], columns[:MOST_HTML_COLUMNS], shown)
+
+
+def aligned(rows: Sequence[Sequence[str]], left: Container[int] | None = None) -> list[str]:
+    """Return rows of cells as lines: columns two spaces apart, those of `left` (all) aligned left, the others right."""
+    columns = []
+    for i, cells in enumerate(zip(*rows, strict=True)):
+        width = max(map(len, cells))
+        columns.append([cell.ljust(width) if left is None or i in left else cell.rjust(width) for cell in cells])
+    return ["  ".join(line).rstrip() for line in zip(*columns, strict=True)]
 
 
 def picked(record: object, *names: str, **renamed: str) -> dict[str, Any]:
@@ -175,12 +182,7 @@ def customary(figure: ShownFigure) -> str:
 
 def table_text(figures: Sequence[ShownFigure]) -> str:
     """Return one line for each figure: name, value with its SI unit, meaning."""
-    values = [_value(figure) for figure in figures]
-    names, widths = max((len(figure.name) for figure in figures), default=0), max(map(len, values), default=0)
-    return "\n".join(
-        f"{figure.name:<{names}}  {value:<{widths}}  {figure.long_name[:MOST_CHARACTERS]}".rstrip()
-        for figure, value in zip(figures, values, strict=True)
-    )
+    return "\n".join(aligned([(each.name, _value(each), each.long_name[:MOST_CHARACTERS]) for each in figures]))
 
 
 def _value(figure: ShownFigure) -> str:

@@ -61,6 +61,7 @@ LEDGER = {
     "residue": Variable("W", "shaft power less exergy rises and exergy destroyed: the numerical residue"),
     "relative_residue": Variable("1", "residue of the ledger over shaft power"),
 }
+LEDGER_SUMMARY = ("shaft_power", "gas_exergy_rise", "oil_exergy_rise", "residue", "ambient_temperature")  # of a page
 LEDGER_ENTRY = {  # quantities of each effect, named `<quantity>_<effect>`
     "gas_moved": Variable("kg s-1", "gas moved"),
     "energy_moved": Variable("W", "energy moved"),

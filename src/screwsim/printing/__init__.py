@@ -9,6 +9,7 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, shown_name
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Result, sorted_entries, words_of_effects
 from screwsim.outputs.customary import engineering_temperature, scale, small_number_text, with_printed_units
 from screwsim.printing.tables import WIDTH, absent_figures, print_table, print_text, print_wrapped
@@ -88,7 +89,7 @@ def impossible_figures(result: Result) -> str:
 def _status_line(result: Result) -> str:
     """Return the status with the number of warnings and the message, if any."""
     count = len(result.warnings)
-    warned = f", with {count} {'warning' if count == 1 else 'warnings'}" if count else ""
+    warned = f", with {counted(count, 'warning')}" if count else ""
     filled = result.performance.get("volumetric_efficiency") or 0.0
     back = f"; the volumetric efficiency is {filled:.4g}: more gas flows back than is drawn in" if filled < 0.0 else ""
     return f"{result.status}{warned}{back}" + (f"; {result.message}" if result.message else "")

@@ -10,6 +10,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import difference_unit, reading_unit, shown_name
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs.customary import digits
 from screwsim.outputs.display import grouped, picked
 from screwsim.printing import write_json
@@ -57,6 +58,7 @@ def calibration_document(found: Calibration) -> dict[str, Any]:
             for each in found.shifts
         ],
         "left_out": dict(found.left_out),
+        "misread_units": list(found.misread),
         "correlation": None if known is None else known.correlation,
         "singular_values": None if known is None else known.singular,
         "not_told_apart": [] if known is None else [asdict(each) for each in known.open],
@@ -252,6 +254,7 @@ def _quality(found: Calibration) -> Iterator[str]:
             f"cases{doubt}; standard errors are multiplied by {found.scale:.3g}"
         )
         if doubt:
+            yield from found.misread
             yield from _outliers(found, found.chi_squared)
     ends = f"{len(found.as_good)} of {len(found.starts)} starts"
     yield f"as good: {ends}, which end within {found.margin:.3g} of the best chi squared (68 % of the joint region)"
@@ -280,7 +283,7 @@ def _warnings(found: Calibration) -> Iterator[str]:
     yield from (f"warning: {text}" for text in not_included(found.left_out))
     for count, text in kinds_of(found.warnings.values()):
         first = next(name for name, texts in found.warnings.items() if text in texts)
-        others = f" and {count - 1} other point{'s' * (count > 2)}" if count > 1 else ""
+        others = f" and {counted(count - 1, 'other point')}" if count > 1 else ""
         yield f"warning at {first}{others}: {text}"
     if known is None:
         return

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures.engineering import engineering, shown_name
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Figure
 from screwsim.outputs.customary import printed_celsius
 from screwsim.outputs.display import grouped
@@ -16,7 +17,7 @@ from screwsim.printing.tables import print_table, print_text, print_wrapped
 from screwsim.report.overlay import draw_overlay
 from screwsim.report.quantities import short, shown_axis
 from screwsim.results import Results
-from screwsim.results.schema import Axis
+from screwsim.results.schema import Axis, quantities_along
 from screwsim.screen import say
 from screwsim.study.columns import Column, protect_other_columns, write_columns
 from screwsim.study.compare import Comparison, FigureChange, common_points
@@ -48,7 +49,7 @@ def print_comparison(a: Results, b: Results, found: Comparison) -> None:
     """Print points, scenes, statuses and figures."""
     print_text(f"A: {a.path}")
     print_text(f"B: {b.path}")
-    points = f"{found.common} point{'s' if found.common > 1 else ''} in common"
+    points = f"{counted(found.common, 'point')} in common"
     for name, count in (("A", found.only_a), ("B", found.only_b)):
         points += f", {count} only in {name}" if count else ""
     say(points)
@@ -138,7 +139,7 @@ def _shown_pair(one: str, other: str) -> tuple[str, str]:
 
 def _where(results: Results, at: Mapping[str, Any]) -> str:
     """Return the position of a point, in the units in which figures show it."""
-    axes = {inner.path: inner for axis in results.axis_list for inner in (axis.joined or (axis,))}
+    axes = {inner.path: inner for inner in quantities_along(results.axis_list)}
     words = [f"{path} = {_shown(axes.get(path), value)}" for path, value in at.items()]
     return f" at {', '.join(words)}" if words else ""
 
@@ -154,7 +155,7 @@ def _shown(axis: Axis | None, value: Any) -> str:
 def write_comparison(a: Results, b: Results, folder: Path) -> list[str]:
     """Write one row per common point, in SI units, and the figures of both files; return the paths."""
     common, columns = common_points(a, b), {}
-    units = {inner.path: inner.units for each in (b, a) for axis in each.axis_list for inner in axis.joined or (axis,)}
+    units = {inner.path: inner.units for each in (b, a) for inner in quantities_along(each.axis_list)}
     for path, values in common.places.items():
         columns[path] = Column(values.tolist(), units.get(path, "1"), path)
     for side, status in zip("ab", common.status, strict=True):

@@ -46,6 +46,7 @@ def diagnosis_document(found: Diagnosis) -> dict[str, Any]:
         **picked(found, told_next_to_nothing_of="untold", probability_of_a_misfit_as_large="chance"),
         **picked(found, uncertain_inputs="inputs", points_without_solution="reasons"),
         "left_out": dict(found.left_out),
+        "misread_units": list(found.misread),
         **picked(found, "solutions", failed_solutions="failed"),
     }
 
@@ -154,6 +155,7 @@ def _findings(found: Diagnosis) -> Iterator[str]:
             f"have changed, something else did, or the uncertainties are too small"
         )
     beside = f"; {', '.join(found.inputs)} known to within their tolerances and priors" if found.inputs else ""
+    yield from (f"warning: {text}" for text in found.misread)
     yield f"misfit: chi squared at the best estimate of each{beside}"
     yield from (f"warning: {text}" for text in not_included(found.left_out))
     if any(hypothesis.linear for hypothesis in found.hypotheses):

@@ -7,6 +7,7 @@ from screwsim.export.fmu import known_error, map_description
 from screwsim.export.inputs import plain
 from screwsim.export.loads import ExportedLoads, document, unit_of
 from screwsim.export.map_table import MapTable
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Result
 from screwsim.printing.tables import print_scene_title, print_table, print_text, print_wrapped
 from screwsim.screen import say
@@ -47,8 +48,8 @@ def _open_nodes(table: MapTable) -> str:
         return f"; a check point without a closed cycle: {table.why}" if table.why else ""
     where = f", at {table.where_open()}" if table.where_open() else ""
     why = f" (the first: {table.why})" if table.why else ""
-    nodes = "1 node" if table.not_ok == 1 else f"{table.not_ok} nodes"
-    return f"; {nodes} of {table.grid.sound.size} without a closed cycle, flagged as not valid{where}{why}"
+    nodes = f"{counted(table.not_ok, 'node')} of {table.grid.sound.size}"
+    return f"; {nodes} without a closed cycle, flagged as not valid{where}{why}"
 
 
 Errors = Sequence[tuple[Mapping[str, float], Sequence[float]]]  # values of the other axes, errors of the figures

@@ -6,6 +6,7 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import error_text, figure_text, shown_name
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs.customary import with_printed_units
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import column_heads, print_scene_title, print_table, print_text, print_wrapped
@@ -124,7 +125,7 @@ def _print_one(scene: Varied, asked: Question, row: GoalSeekAnswer) -> None:
     if row.status == "ok" and row.result is not None:
         print_wrapped(f"warning: {warning}" for warning in row.result.warnings)
     failed = f", {row.failed} of them without the figures" if row.failed else ""
-    say(f"{row.solutions} point{'s' * (row.solutions != 1)} simulated{failed}")
+    say(f"{counted(row.solutions, 'point')} simulated{failed}")
 
 
 def _print_size(scene: Varied, asked: Question, row: GoalSeekAnswer) -> None:

@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.figures.engineering import engineering, shown_name
+from screwsim.inputs.suggestions import counted
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.printing import write_json
 from screwsim.printing.tables import print_scene_title, print_table, print_text
 from screwsim.results import Results
@@ -15,7 +17,6 @@ from screwsim.results.group import OWN
 from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.protection import protect_other_json
 from screwsim.results.warning_kinds import warning_kinds
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.screen import say
 from screwsim.study.columns import Column, protect_other_columns, write_columns
 from screwsim.study.maps.map_points import MapPoint, place_in_words
@@ -100,8 +101,7 @@ def _labels_left_out(results: Results) -> list[str]:
 def _print_warnings(results: Results) -> None:
     """Print the warnings of points of the sweep."""
     for kind in warning_kinds(results):
-        cases = f"{kind.cases} {'point' if kind.cases == 1 else 'points'}"
-        print_text(f"warning in {cases} of the sweep: {kind.text}")
+        print_text(f"warning in {counted(kind.cases, 'point')} of the sweep: {kind.text}")
 
 
 def _units(results: Results, path: str) -> str:

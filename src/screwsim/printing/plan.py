@@ -9,6 +9,7 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import figure_unit
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_text, print_wrapped
 from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, write_csv
@@ -53,8 +54,7 @@ def print_plan(found: Plan) -> None:
     """Print the points in their order, and how well each parameter is known with them."""
     fit = found.fit
     print_scene_title(fit.title or fit.scene.title)
-    there = len(fit.fitted)
-    print_text(f"{there} point{'s' * (there != 1)}, {found.candidates} candidates, {found.solutions} solutions")
+    print_text(f"{counted(len(fit.fitted), 'point')}, {found.candidates} candidates, {found.solutions} solutions")
     print_left_out(found.reasons)
     if not found.steps:
         print_text(f"{found.status}: {found.message}")

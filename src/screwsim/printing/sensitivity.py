@@ -6,6 +6,7 @@ from typing import Any
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import difference_unit, figure_text, shown_name
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs.derivatives import DIFFERENCES, PACKAGE_FIGURES
 from screwsim.outputs.display import grouped, picked
 from screwsim.printing.tables import print_scene_title, print_table, print_text, print_wrapped
@@ -46,7 +47,7 @@ def sensitivity_document(scene: Varied, found: Sensitivity) -> dict[str, Any]:
 def print_sensitivity(scene: Varied, found: Sensitivity, changed: Sequence[str] = ()) -> None:
     """Print one table per figure, with inputs of the largest total index first."""
     print_scene_title(scene.title, changed)
-    samples = f"{found.samples} samples of {len(found.ranges)} input{'s' * (len(found.ranges) > 1)}, seed {found.seed}"
+    samples = f"{found.samples} samples of {counted(len(found.ranges), 'input')}, seed {found.seed}"
     print_text(f"{found.solutions} solutions: {samples}")
     if found.message:
         print_text(found.message)

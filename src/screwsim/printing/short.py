@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, shown_name
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Result
 from screwsim.outputs.customary import small_number_text, with_printed_units
 from screwsim.printing import impossible_figures
@@ -73,7 +74,7 @@ def _last_line(result: Result, names: Sequence[str]) -> Iterator[str]:
     valued = sum(value is not None for value in result.performance.values())
     more = [f"{valued - len(names)} more figures"] if valued > len(names) else []
     others = len(result.warnings) - 1
-    more += [f"{others} more warning{'s' if others > 1 else ''}"] if others > 0 else []
+    more += [counted(others, "more warning")] if others > 0 else []
     more += ["where the power goes"] if result.ledger else []
     more += ["uncertainties"] if result.uncertainty else []
     if more:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import STATUSES
 from screwsim.outputs.display import grouped, picked
 from screwsim.printing.tables import print_text
@@ -73,7 +74,7 @@ def print_sweep(document: Mapping[str, Any], scene: Scene) -> None:
         say(f"… and {more} more (see the file)")
     for kind in document["warnings"][:MOST_WARNINGS]:
         first = f"first at {where(kind['values'])}" if kind["cases"] > 1 else f"at {where(kind['values'])}"
-        cases = "1 case" if kind["cases"] == 1 else f"{kind['cases']} cases"
+        cases = counted(kind["cases"], "case")
         print_text(f"warning in {cases}, {first}: {kind['warning']}")
     more = len(document["warnings"]) - MOST_WARNINGS
     if more > 0:

@@ -11,6 +11,7 @@ import numpy as np
 from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, figure_unit, shown_name
 from screwsim.figures.errors import error_in_unit
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Result
 from screwsim.outputs.derivatives import PACKAGE_FIGURES, usual_figures
 from screwsim.outputs.display import picked
@@ -214,7 +215,7 @@ def uncertainty_ranges(results: Results) -> dict[str, Any]:
 def ranges_text(found: Mapping[str, Any]) -> str:
     """Return in words the uncertainty of the first figures, and the input that contributes most."""
     parts, lost = [], found["left_out"]
-    cases = f" in up to {max(lost.values())} case{'s' if max(lost.values()) > 1 else ''}" if lost else ""
+    cases = f" in up to {counted(max(lost.values()), 'case')}" if lost else ""
     without = f"; {left_out_words(list(lost))}{cases}, so too small there" if lost else ""
     names = usual_figures(found["figures"])[:MOST_FIGURES]
     for name in names:

@@ -9,10 +9,11 @@ from typing import Any
 from screwsim.figures import declaration, declared
 from screwsim.figures.engineering import reading_unit
 from screwsim.inputs.declare import KINDS
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.results.atomic import write_csv
 from screwsim.results.protection import protect_other_heads
 from screwsim.scene.fields import Leaf, leaf_paths
-from screwsim.scene.units import ZERO_CELSIUS, customary_unit, to_customary
+from screwsim.scene.units import customary_unit, to_customary
 
 ERROR = "_error"  # behind the name of a figure: its estimated error, relative
 UNCERTAINTY = "_uncertainty"  # likewise: half of its 95 % interval by the tolerances of the inputs, in its own unit

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.inputs.suggestions import counted
 from screwsim.report import families
 from screwsim.report.families import Family, curves_of, is_log, left_out, slices
 from screwsim.report.quantities import is_numeric, short, shown_axis, shown_figure
@@ -45,7 +46,7 @@ def _draw(family: Family, name: str) -> Any:
     curves = curves_of(family, name)
     optima = "○ optimum of a row, by a parabola through three points" if found else ""
     counts = zip(families.doubtful(curves), ("not closed", "with warnings"), strict=True)
-    told = [f"{count} cases {words}" if count > 1 else f"1 case {words}" for count, words in counts if count]
+    told = [f"{counted(count, 'case')} {words}" for count, words in counts if count]
     note(figure, family.constant, optima, *told, left_out(family, curves), _error_words(family.results, name))
     return figure
 

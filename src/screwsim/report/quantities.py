@@ -9,11 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.figures.engineering import figure_scales, shown_name
-from screwsim.outputs.customary import RPM, scale
+from screwsim.outputs.customary import RPM, ZERO_CELSIUS, scale
 from screwsim.results import Results
 from screwsim.results.read import STAGES
 from screwsim.results.schema import Axis
-from screwsim.scene.units import ZERO_CELSIUS
 
 
 class Display(NamedTuple):

@@ -152,7 +152,9 @@ def table_files(scene: Scene, folder: Path) -> dict[str, str]:
                 paths, changes["area"] = sized_holes(paths, active.parameters.area), None
             files[f"{name}.csv"] = _path_csv(paths, getattr(active.parameters, "gap", None))
             effects[name] = replace(active, parameters=replace(active.parameters, **changes))
-    if laid.slot is not None and "slide_valve" in effects:
+    if laid.slot is not None and "slide_valve" in effects and not laid.slot.value.max() > 0.0:
+        del effects["slide_valve"]  # at full load there is no slot
+    elif laid.slot is not None and "slide_valve" in effects:
         files["slide_valve.csv"] = _csv(laid.slot, "m^2")
         parameters = replace(effects["slide_valve"].parameters, area_file=str(folder.resolve() / "slide_valve.csv"))
         effects["slide_valve"] = replace(effects["slide_valve"], parameters=parameters)

@@ -12,7 +12,7 @@ from screwsim.report.quantities import is_numeric, shown_axis, shown_figure
 from screwsim.report.style import COLOURS, GREY, note, panels, plain_ticks
 from screwsim.report.sweeps import OTHER_FIGURES, Plan, case_remarks, label_axes, mark_cases
 from screwsim.results import Results
-from screwsim.results.schema import Axis
+from screwsim.results.schema import Axis, quantities_along
 from screwsim.results.warning_kinds import cases_with_warnings
 
 _MARGIN = 0.08  # of the span of the values, on either side
@@ -25,8 +25,7 @@ def plans(results: Results) -> Iterator[Plan]:
     if not families.is_joint_sample(results):
         yield from _plans_over_words(results)
         return
-    axes = (inner for axis in results.axis_list for inner in axis.joined or (axis,))
-    varied = (axis for axis in axes if is_numeric(axis) and np.ptp(axis.values) > 0.0)
+    varied = (axis for axis in quantities_along(results.axis_list) if is_numeric(axis) and np.ptp(axis.values) > 0.0)
     name, shown = efficiency_name(results), [(axis, results.along(axis.path)) for axis in varied]
     if not len(results.optimum) and name and shown:
         yield "samples", partial(_over_each, results, shown, name)
@@ -113,8 +112,7 @@ def _over_each(results: Results, shown: list[tuple[Axis, np.ndarray]], name: str
 
 def _words(results: Results) -> np.ndarray:
     """Return the word of each case on the first axis of words, such as fluids; empty without one."""
-    inner = (each for axis in results.axis_list for each in axis.joined or (axis,))
-    paths = (axis.path for axis in inner if not is_numeric(axis) and len(set(axis.values.tolist())) > 1)
-    path = next(paths, None)
+    words = (axis for axis in quantities_along(results.axis_list) if not is_numeric(axis))
+    path = next((axis.path for axis in words if len(set(axis.values.tolist())) > 1), None)
     every = np.full(results.shape, "") if path is None else results.along(path)
     return np.array([str(word) for word in every.reshape(-1)])

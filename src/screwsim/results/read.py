@@ -20,7 +20,7 @@ from screwsim.outputs import ITSELF, STATUSES, Figure, Variable, shown_of
 from screwsim.outputs.display import About, Brief, cf_unit, value_text
 from screwsim.results import stored
 from screwsim.results.group import OWN, Group, labels_of, values_of
-from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis, scene_unit, variable_name
+from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis, quantities_along, scene_unit, variable_name
 from screwsim.results.stored import REMEDY, MalformedFile, opened
 
 # the first two come with traces, the next two with their studies, two with tolerances, the last on request
@@ -74,7 +74,7 @@ class Results(Brief):
         """Dimension, and values along it, of every path that the sweep varies, including paths that vary together."""
         found = {}
         for number, axis in enumerate(self.axis_list):
-            found |= {inner.path: (number, inner.values) for inner in axis.joined or (axis,)}
+            found |= {inner.path: (number, inner.values) for inner in quantities_along([axis])}
         return found
 
     def along(self, path: str) -> np.ndarray:

@@ -11,7 +11,7 @@ import hashlib
 import json
 import platform
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -60,6 +60,11 @@ class Axis(NamedTuple):
     def about(self) -> dict[str, str]:
         """Attributes of the coordinate variable, its unit in CF style."""
         return {"units": cf_unit(self.units), "long_name": self.long_name, "path": self.path}
+
+
+def quantities_along(axes: Iterable[Axis]) -> Iterator[Axis]:
+    """Yield the quantities that vary along axes, those that vary together one after the other."""
+    return (each for axis in axes for each in axis.joined or (axis,))
 
 
 def variable_name(path: str) -> str:

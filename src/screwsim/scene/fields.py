@@ -23,6 +23,10 @@ NOT_SECTIONS = ("effects", "sweep", "joints", "text", "folder", "losses", "uncer
 SWEEPABLE = {*KINDS, "number", "count", "choice", "fluid"}
 AMBIENT = "operation.ambient_pressure"
 FIXED = {"machine.kind", AMBIENT}  # another scene; gauge pressures depend on the ambient one
+MEANT = {  # other words for keys, some of which are keys of another section
+    **dict.fromkeys(("refrigerant", "gas.name", "gas.gas", "gas.refrigerant", "gas.working_fluid"), "gas.fluid"),
+    **dict.fromkeys(("lubricant", "oil.fluid", "oil.oil", "oil.type", "oil.grade"), "oil.name"),
+}
 _MANY = 4  # most paths that a message lists
 
 
@@ -204,6 +208,8 @@ def unknown_key(
     place. `before` stands before whole names.
     """
     options = list(options)
+    if (meant := MEANT.get(name)) in options:
+        return f"is not known; did you mean '{before}{meant}'?"
     elsewhere = paths_ending_in(name, paths or options)
     near = elsewhere[0] if len(elsewhere) == 1 else None if elsewhere else nearest(name, options)
     if near is not None:
@@ -221,8 +227,10 @@ def unknown_key(
     return f"is not known (use {otherwise})" if otherwise else f"is not known; known here: {', '.join(options) or '-'}"
 
 
-def stray_key(name: str, options: Iterable[str], paths: Iterable[str] = ()) -> str:
-    """Return what is wrong with an unknown key of a mapping in a file; `paths` are those of the whole scene."""
+def stray_key(name: str, options: Iterable[str], paths: Iterable[str] = (), section: str = "") -> str:
+    """Return what is wrong with an unknown key of a section in a file; `paths` are those of the whole scene."""
+    if (meant := MEANT.get(f"{section}.{name}" if section else name)) is not None:
+        return f"is not known; did you mean '{meant.removeprefix(f'{section}.')}'?"
     if name[:1].isdigit():
         return "is not a name (in { } and [ ] a comma begins another entry; write decimals with a point)"
     if "." in name and name in paths:

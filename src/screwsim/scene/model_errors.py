@@ -10,8 +10,7 @@ from importlib import resources
 from typing import Any
 
 from screwsim.inputs.suggestions import nearest
-from screwsim.outputs.customary import RPM
-from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.outputs.customary import RPM, ZERO_CELSIUS
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, child_of
 

@@ -16,18 +16,19 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.effects import catalogue
+from screwsim.effects import catalogue, having
 from screwsim.effects.base import Effect
 from screwsim.effects.parts.oil import oil_in_chambers
-from screwsim.effects.parts.usual import LEAK, USUAL, Usual
+from screwsim.effects.parts.usual import LEAK, SLIDES, USUAL, Usual
 from screwsim.fluid import constants
 from screwsim.fluid.models import condenses, find_gas_model
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.settings import GasSettings
 from screwsim.inputs.declare import KINDS, UNBOUNDED, VOLUME, is_derived
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.suggestions import joined_names
+from screwsim.inputs.suggestions import counted, joined_names
 from screwsim.machine.kinds import kind_of
+from screwsim.machine.paper_law import TURN
 from screwsim.machine.rotors.settings import Profile, unused_parameters
 from screwsim.machine.settings import TwinScrew, VolumeLaw
 from screwsim.numerics.identity_cache import IdentityCache
@@ -48,6 +49,8 @@ MIRRORED_RATIO = 1.5  # ratio of a lobe's blow-hole areas from which it looks mi
 RESCALED_DEVIATION = 0.01  # relative deviation allowed between a table's largest volume and the stated one
 # over its largest slope, how far a table's slope may jump back and forth; cut-off digits give half of it
 ROUGH_SLOPE = 0.25
+# share of the largest volume, at the injection angle, below which a table's angles may begin elsewhere than the scene's
+STILL_GROWS, HAS_FALLEN = 0.99, 0.9
 LEAST_COMPRESSIBILITY = 0.8  # of a line's gas, below which it is a quarter and more denser than an ideal gas
 USUAL_RATIO = 30.0  # usual pressure ratio in one machine, higher over lower, at the most
 PLAIN_SECTIONS = ("gas", "oil", "operation", "oil_supply", "machine")
@@ -110,12 +113,26 @@ def _shown(leaf: Leaf, value: float) -> str:
 
 
 def _volume(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield warnings about a table of volumes that never reaches zero, whose slope jumps, or that is rescaled."""
+    """Yield warnings of a table of volumes that never reaches zero, is rough, is rescaled, or begins elsewhere."""
     law = getattr(scene.machine, "volume", None)  # a user-defined machine may have anything here
     if isinstance(law, VolumeLaw) and law.file is not None:
         angles, volumes = read_curve(str(law.file), VOLUME)
         yield from _of_table(angles, volumes)
         yield from _rescaled_volumes(law, float(np.max(volumes)))
+        yield from _moved_volumes(law, angles, volumes)
+
+
+def _moved_volumes(law: VolumeLaw, angles: np.ndarray, volumes: np.ndarray) -> Iterator[tuple[str, str]]:
+    """Yield a warning where a chamber counts as closed long before or after its largest volume."""
+    closed, largest = law.injection_angle or TURN, float(angles[np.argmax(volumes)])
+    share = float(np.interp(closed, angles, volumes) / np.max(volumes))
+    if share < (STILL_GROWS if largest > closed else HAS_FALLEN):
+        what = f"the volume of the table is largest at {math.degrees(largest):.4g} deg, and {share:.1%} of that at"
+        what += f" {math.degrees(closed):.4g} deg, where its gas counts as trapped and oil comes in"
+        yield (
+            "machine.volume.file",
+            f"{what} (shift its angles and the ports', or write machine.volume.injection_angle)",
+        )
 
 
 def _rescaled_volumes(law: VolumeLaw, largest: float) -> Iterator[tuple[str, str]]:
@@ -142,12 +159,18 @@ def _of_table(angles: np.ndarray, volumes: np.ndarray) -> tuple[tuple[str, str],
 
 
 def _profile(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield warnings about values of the rotor profile that are not used, and about a lobe that looks mirrored."""
+    """Yield warnings of values of the profile that are not used, of a mirrored lobe, of a slide without its slot."""
     profile = getattr(scene.machine, "profile", None)
     if isinstance(profile, Profile):
         yield from unused_parameters(profile)
         if profile.measured and isinstance(scene.machine, TwinScrew) and scene.machine.volume.from_rotors:
             yield from _mirrored_lobe(scene.machine)
+    slide = scene.machine.slide_valve if isinstance(scene.machine, TwinScrew) else None
+    if slide is not None and slide.position > 0.0:
+        effect = having(SLIDES)[0].rpartition(".")[0]
+        if not any(f"effects.{name}" == effect for name in scene.effects):
+            what = f"moves the radial port alone: the slot to suction opens with {effect}, absent here, so that the"
+            yield "machine.slide_valve.position", f"{what} flow is that of full load (write {effect}: {{}})"
 
 
 def _mirrored_lobe(machine: TwinScrew) -> Iterator[tuple[str, str]]:
@@ -275,7 +298,7 @@ def left_out_in_words(scene: Scene) -> str:
         return ""
     usual = list(_usual(scene))
     among = f", among them {joined_names(usual)}, which typical scenes name" if usual else ""
-    many = f"{len(left)} effects" if len(left) > 1 else "1 effect"
+    many = counted(len(left), "effect")
     return f"not simulated: {many} of {machine_in_words(scene)}{among} (screwsim explain says what each is)"
 
 

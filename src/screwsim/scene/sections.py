@@ -39,7 +39,7 @@ def read_section(
     options = [*section.fields, *also]
     for name, child in content.items():
         if name not in options:
-            problems.add(child.heading, join(path, name), stray_key(name, options, paths))
+            problems.add(child.heading, join(path, name), stray_key(name, options, paths, path))
     values = {}
     for name, item in section.fields.items():
         child = content.get(name)

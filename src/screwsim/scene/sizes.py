@@ -70,8 +70,10 @@ def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
     for _, doubts in _section_findings(scene):
         yield from doubts
     fast, known = _surface_speed(scene)
-    if fast > known.usual:
-        yield "operation.speed", f"{_in_words(scene, fast, known)} (usual: at most {known.usual:g} m/s)"
+    oiled = known.with_oil is not None and scene.oil_supply is not None
+    usual, when = (known.with_oil or known.usual, "usual with oil") if oiled else (known.usual, "usual")
+    if fast > usual:
+        yield "operation.speed", f"{_in_words(scene, fast, known)} ({when}: at most {usual:g} m/s)"
 
 
 _FaultsAndWarnings = tuple[tuple[Fault, ...], tuple[tuple[str, str], ...]]

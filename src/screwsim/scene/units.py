@@ -15,6 +15,8 @@ from typing import Any
 
 from screwsim.inputs.declare import KINDS, Kind
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import with_article
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene.numerals import odd_number, odd_number_text
 
 
@@ -88,6 +90,7 @@ _TABLE: dict[str, dict[str, tuple[float, float]]] = {
     "N/m": {"N/m": (1, 1), "mN/m": (1, 1e3), "kN/m": (1e3, 1), "N/mm": (1e3, 1)},
     "W/(m^2 K)": {"W/(m^2 K)": (1, 1), "kW/(m^2 K)": (1e3, 1)},
     "W/K": {"W/K": (1, 1), "kW/K": (1e3, 1)},
+    "kg/mol": {"kg/mol": (1, 1), "g/mol": (1, 1e3), "kg/kmol": (1, 1e3)},
     "1/K": {"1/K": (1, 1), "um/(m K)": (1, 1e6)},
 }
 _SPELLINGS = {"µ": "u", "μ": "u", "℃": "degC", "ºC": "degC", "°": "deg", "²": "^2", "³": "^3"}
@@ -106,7 +109,7 @@ _LIKELY_UNITS: dict[str, dict[str, str]] = {
     },
     "K": {"f": "degF", "c": "degC"},
     "m^3": {"ccm": "cm^3"},
-    "m^3/s": {"cfm": "ft^3/min", "acfm": "ft^3/min", "lpm": "L/min"},
+    "m^3/s": {"lpm": "L/min"},
     "Pa s": {"Pas": "Pa s", "mPas": "mPa s"},
     "W": {
         **dict.fromkeys(("ton", "tons", "tr"), "refrigeration_ton"),
@@ -120,16 +123,15 @@ _LIKELY_UNITS: dict[str, dict[str, str]] = {
     "W/(m^2 K)": dict.fromkeys(("W/m2K", "W/m^2K", "W/m²K"), "W/(m^2 K)"),
 }
 _STANDARD_FLOW = re.compile(r"(mm)?sc[fm][dhms]|[ns](m\^?[3³]|l)/(s|sec|min|h|hr|d)")  # scfm, Nm3/h, in lower case
+_ACTUAL_FLOW = {"cfm", "acfm"}  # in lower case: ft^3/min at the state of the flow itself
 _KINEMATIC = {"cst", "mm^2/s", "mm2/s", "mm²/s", "m^2/s", "st"}
 _TABLE_ONLY = {"rad", "rad/s", "N m/rad", "N m s/rad"}  # pint does not distinguish turns, radians and plain numbers
 _CELSIUS = {"degC", "celsius", "Celsius", "C"}  # no temperature is in coulombs
-ZERO_CELSIUS = 273.15
 
 
 def describe(kind: Kind) -> str:
     """Return a kind with its article: 'a length', 'an area'."""
-    name = kind.name.replace("_", " ")
-    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+    return with_article(kind.name.replace("_", " "))
 
 
 @lru_cache(maxsize=512)
@@ -158,6 +160,7 @@ def parse_quantity(kind: Kind, text: str) -> float:
         return gauge
     refuse_traps(kind, match[2], shown)
     number, unit = float(match[1]), tidy_unit(match[2])
+    unit = "ft^3/min" if kind.si == "m^3/s" and unit.lower() in _ACTUAL_FLOW else unit
     value = _from_table(kind, number, unit)
     if value is None:
         value = _from_pint(kind, number, unit)
@@ -227,7 +230,7 @@ def _tight(unit: str) -> str:
 
 
 def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
-    """Refuse ambiguous units: Hz, MBtu/h, scfm, degC for a difference; and gauge pressures where not allowed."""
+    """Refuse ambiguous units: Hz, MBtu/h, scfm, icfm, degC for a difference; gauge pressures where not allowed."""
     if kind.si == "Pa" and _GAUGE.fullmatch(unit):
         if kind.name == "pressure_difference":
             raise Refused(f"{shown} is a gauge pressure, not a difference (write e.g. '{kind.example}')")
@@ -240,6 +243,8 @@ def refuse_traps(kind: Kind, unit: str, shown: str) -> None:
         raise Refused(
             f"{shown} counts gas at a standard state (write the flow at its own state, e.g. '{kind.example}')"
         )
+    if kind.si == "m^3/s" and _tight(unit).lower() == "icfm":
+        raise Refused(f"{shown} counts gas at a compressor's inlet (write acfm, where that is the state of this flow)")
     if kind.si == "W" and unit.lower().startswith("mmbtu"):
         raise Refused(f"{shown} is in a million Btu (write 1000 kBtu/h for each MMBtu/h, or e.g. '{kind.example}')")
     if kind.si == "W" and unit.lower().startswith("mbtu"):

@@ -9,7 +9,7 @@ from typing import Any
 
 from screwsim.fluid.models import find_gas_model
 from screwsim.inputs.declare import AUTO, KINDS, FoundWithCycle
-from screwsim.inputs.suggestions import nearest
+from screwsim.inputs.suggestions import nearest, with_article
 from screwsim.machine.kinds import MACHINES
 from screwsim.numerics.integrators import find_integrator
 from screwsim.scene.fields import Leaf
@@ -43,6 +43,14 @@ def convert(leaf: Leaf, raw: Any, folder: str = ".") -> Any:
     return _READERS[leaf.kind](leaf, raw, folder)
 
 
+def convert_cell(leaf: Leaf, text: str, unit: str, folder: str = ".") -> Any:
+    """Return the SI value of a table's cell in the unit of its column's head, '' for none; raise `Refused`."""
+    if leaf.dimension is not None:
+        return convert(leaf, f"{text} {unit}" if unit else text, folder)
+    number = int if leaf.kind == "count" and text.isdigit() else float
+    return convert(leaf, number(text) if re.fullmatch(NUMBER, text) else text, folder)
+
+
 def _quantity(leaf: Leaf, raw: Any) -> float:
     kind = leaf.dimension
     assert kind is not None
@@ -57,8 +65,7 @@ def _quantity(leaf: Leaf, raw: Any) -> float:
 
 def describe_leaf(leaf: Leaf) -> str:
     """Return the kind of value that a leaf holds, with its article."""
-    name = "whole number" if leaf.kind == "count" else leaf.kind.replace("_", " ")
-    return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
+    return with_article("whole number" if leaf.kind == "count" else leaf.kind.replace("_", " "))
 
 
 def _number(leaf: Leaf, raw: Any, folder: str) -> float:

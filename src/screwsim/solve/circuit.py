@@ -154,7 +154,7 @@ class SurroundingsSearch:
         return of
 
     def judge(self, cycle: CycleSolution, criteria: ClosingCriteria) -> None:
-        """Take over how far off what a cycle shows may be, by what it leaves open."""
+        """Estimate the noise of what this cycle shows from its last change and its open balance."""
         self.noise = NOISE * max(cycle.change, cycle.residual * criteria.bound)
 
     def known_open(self, problem: Problem) -> CycleSolution | None:

@@ -143,13 +143,13 @@ def _finer_solutions(request: EstimateRequest) -> FinerSolutions:
 
 
 def _errors_shown(of: Evaluation, here: Solution, finer: FinerSolutions, hides_flow: bool) -> Figures:
-    """Return the error of each figure as finer solutions show it: their largest change, plus those of further lives.
+    """Return the error of each figure as finer solutions show it.
 
-    Two lives may agree with the closed one by chance, each in another figure, so the largest change counts; a swing
-    changes by no less than its curve does. Later lives continue the last one's change as a geometric series with the
-    ratio of the last two changes. A corrected life is at the limit of all lives, up to what its correction left;
-    earlier lives are only on the way there. But where leaks hide the net flow (`hides_flow`), it is a small difference
-    of flows that scatters from life to life: the largest change counts with what goes with it.
+    It is the change to the last life, and what later lives would add: a geometric series with the ratio of the last two
+    changes. The change to any earlier life counts, too, since two lives may agree by chance; but not where the last one
+    is corrected and so at the limit of all lives (up to what its correction left), which earlier ones only approach.
+    Where leaks hide the net flow (`hides_flow`), that flow is a small difference which scatters from life to life: for
+    it, and all figures that go with it, the largest change counts even then.
     """
     lives, left = finer.solutions, finer.left
     errors = _distances(of, here, lives[-1])

@@ -65,10 +65,10 @@ def misread_intake_errors(of: Evaluation, misread: Misread) -> Iterator[Figures]
 
 
 def misread_intake(problem: Problem, life: Trajectory, met: MetTwice) -> Misread:
-    """Return what a life misreads while it is open to the line that it takes gas in from; `met` sums differ in it.
+    """Return what a life misreads while it is open to the line that it takes gas in from.
 
-    At a held pressure p V stays, and so does the sum of m T: gas at T that is taken in, in place of gas of the line at
-    T_s, leaves room for less by T/T_s - 1 of itself. What flows out later takes its part of the error with it.
+    `met` are the sums of flows that differ in it. At a held pressure the sum of m T is fixed: gas taken in at T instead
+    of the line's T_s displaces T/T_s - 1 of itself. What flows out later takes its part of the error with it.
     """
     c, ends = problem.composition, life.times[: life.steps + 1]
     steps, T_s = _steps(problem, life), problem.lines.T_s
@@ -190,6 +190,6 @@ def _kept(problem: Problem, life: Trajectory, steps: Array, out: Array) -> Array
     """Return the share of an error in each step that is left after the later ones, from which gas flows out [kg]."""
     last = life.dense[steps, 1]
     rho, ratio = last[:, slots.S_RHO], last[:, slots.S_X_OIL] if problem.composition.carried else 0.0
-    gas = rho * problem.gas_share(rho, ratio) * life.volumes(life.times[steps + 1])
+    gas = problem.gas_mass(rho, ratio, life.volumes(life.times[steps + 1]))
     leaves = np.append(np.minimum(out / gas, 1.0)[1:], 0.0)
     return np.cumprod((1.0 - leaves)[::-1])[::-1]

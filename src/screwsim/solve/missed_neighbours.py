@@ -1,10 +1,10 @@
 """Least errors of figures by what a chamber misses of its neighbours within its steps, while it is closed.
 
-A chamber meets its neighbours at the stages of its own steps. What happens to a neighbour within a few degrees, as at
-the end of its life, where its last gas is squeezed and let go, may lie between two stages of one step. No error of the
-states shows it, and a finer life may step over it as well. The neighbour sums the same flow with its many steps. Where
-the two sums differ, the step is read again, with the nodes that the steps of all call for, and the departure δ of
-ln m that it leaves is followed: it decays as the flows let it.
+A chamber meets its neighbours at the stages of its own steps. An event of a neighbour that takes a few degrees (the
+end of its life, where its last gas is squeezed out) may lie between two stages of one step. No error of the states
+shows that, and a finer life may step over it as well. But the neighbour sums the same flow with its many steps. Where
+the two sums differ, the step is read again at the ends of all their steps; the departure δ of ln m that it leaves is
+then followed as the flows let it decay.
 Source: ours; docs/explanation/errors.md.
 """
 
@@ -65,7 +65,7 @@ def departures(problem: Problem, life: Trajectory, met: MetTwice) -> Departures 
     differ = np.bincount(met.step[closed], met.differ[closed], life.steps)[steps]
     last = life.dense[: life.steps, 1]
     rho, ratio = last[steps, slots.S_RHO], last[steps, slots.S_X_OIL] if problem.composition.carried else 0.0
-    gas = rho * problem.gas_share(rho, ratio) * life.volumes(ends[steps + 1])
+    gas = problem.gas_mass(rho, ratio, life.volumes(ends[steps + 1]))
     some = SOME * problem.scene.numerics.accuracy
     differ = np.abs(differ) / gas
     doubtful = differ > DOUBTFUL * some

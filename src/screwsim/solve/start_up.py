@@ -13,7 +13,7 @@ import numpy as np
 
 from screwsim.cycle.close import close
 from screwsim.cycle.guess import lease_for
-from screwsim.cycle.pitch import POINTS
+from screwsim.cycle.pitch import POINTS, Pitch
 from screwsim.cycle.problem import LEAST_OIL, ClosingTask, Problem, Series, problem_of
 from screwsim.effects.base import OilSolution
 from screwsim.effects.gas_torque import raw_torque
@@ -201,8 +201,7 @@ class StartUpRun:
             return f"the chambers could not be integrated beyond {math.degrees(angle):.2f} deg of a pitch"
         machinery.install_coupled()
         of = Evaluation(problem, machinery.trajectory, q)
-        torque = raw_torque(of.pitch)
-        gas = np.append(torque, 2.0 * torque[-1] - torque[-2])
+        gas = _gas_torque(of.pitch, pitch)
         gas += (float(q[Q_WORK]) - float(np.trapezoid(gas, dx=pitch / POINTS))) / pitch
         return gas, loss_torque(of, mean), float(q[Q_WORK]), machinery.shift(y)
 
@@ -314,6 +313,16 @@ class StartUpRun:
             residue=abs(residual) / max(abs(motor), abs(gas) + abs(losses)) if whole else None,
             unsettled=float(sum(not each.settled for each in self.pitches)),
         )
+
+
+def _gas_torque(pitch: Pitch, length: float) -> Array:
+    """Return the gas torque [N m] at even angles of a pitch [rad] and its end.
+
+    At its ends no chamber begins where the one ahead has ended: each is read within its own pitch.
+    """
+    pressure, slope = pitch.at(np.array([2.0 * END_MARGIN, length - 2.0 * END_MARGIN]))
+    first, last = raw_torque(pitch._replace(pressure=pressure, slope=slope))
+    return np.array([first, *raw_torque(pitch)[1:], last])
 
 
 def _mean(motion: Motion, pitch: float) -> float:

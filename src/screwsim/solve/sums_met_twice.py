@@ -17,10 +17,11 @@ EQUAL = 1e-9  # rad, within which angles are the same
 
 
 class MetTwice(NamedTuple):
-    """Steps within which a neighbour takes many, which column of sums that is, and by how much both sums differ.
+    """Steps in which the two chambers at a gap sum different flows: index of the step, column of sums, difference.
 
-    Even columns are with a chamber ahead, odd ones with one behind, pair by pair of the offsets; `differ` [kg] is the
-    gas that the step sums into its chamber beyond what the neighbour sums. A step may stand there for several columns.
+    Even columns are with a chamber ahead, odd ones with one behind, pair by pair of the offsets. `differ` [kg] is what
+    the step sums into its chamber less what the neighbour sums, with its many steps. A step may stand there several
+    times, for several columns.
     """
 
     step: Array

@@ -1,8 +1,8 @@
 """Errors of the figures because the surroundings found with a cycle are not exact (`solve.circuit`).
 
-What a cycle leaves of its surroundings' balances, and what the errors of its figures make of them, leads to errors of
-the unknowns by the response of these balances, and these to errors of figures by their slopes. Both are learnt from the
-cycles of the search; the slopes of figures that state an unknown are known.
+Balances of the surroundings that a cycle leaves open, and the errors of the figures that enter them, shift the unknowns
+(by the inverse of the balances' response), and shifted unknowns change the figures (by their slopes). Response and
+slopes are learnt from the cycles of the search; the slopes of figures that state an unknown are known.
 Source: ours; docs/explanation/errors.md, errors of an oil circuit.
 """
 

@@ -42,11 +42,10 @@ def solution_of(of: Evaluation) -> Solution:
 
 
 def swing_errors(figures: Figures, found: Curves, better: Curves) -> Figures:
-    """Return by how much swings and squares differ whose curves are so far apart, over what errors are relative to.
+    """Return the relative errors of swings and of means of squares, from the whole curves that they are read from.
 
-    At their extreme angles two curves may agree by chance. At two angles of any phase their differences are apart by
-    the root of twice their variance, in which every harmonic counts with its amplitude and its phase. So may two means
-    of squares agree (`_of_square`).
+    The extremes of two curves may agree by chance (and so may means of squares, `_of_square`). Of the difference of the
+    curves, values at two angles of any phase lie √2 times its standard deviation apart, in which every harmonic counts.
     """
     about, sizes = getattr(figures, "about", {}), {}
     for name in found.keys() & better.keys():

@@ -63,24 +63,19 @@ def _group(scene: Scene, text: str) -> LeftOut:
     return LeftOut(text.replace(" ", "").strip(",").replace(",", "+"), tuple(dict.fromkeys(names)))
 
 
-def knock_out(
-    scene: Scene, result: Result, progress: Progress | None = None, left_out: Sequence[LeftOut] | None = None
-) -> Result:
-    """Return the result with `knock_out`: changes of shaft power and specific work when each effect is left out.
+def knock_out(scene: Scene, result: Result, left_out: Sequence[LeftOut], progress: Progress) -> Result:
+    """Return the result with `knock_out`: changes of shaft power and specific work when effects are left out.
 
-    Where the scene calls for them, changes of cooling capacity and COP are included. `left_out` replaces the default of
-    each effect by itself.
+    Where the scene calls for them, changes of cooling capacity and COP are included.
 
     An effect that the scene cannot do without has the status `needed`, with the reason as its message; one without
     which the cycle does not close has the status of that solution, and no figures. Warnings that appear only without
     the effect are in its message.
     """
-    progress = progress or Progress()
     costs = []
-    every = each_alone(scene) if left_out is None else left_out
-    progress.start(len(every), 0)
+    progress.start(len(left_out), 0)
     try:
-        for each in every:
+        for each in left_out:
             costs.append(_without(scene, each, result))
             progress.advance(1, int(costs[-1].status not in ("ok", "needed")))
     finally:

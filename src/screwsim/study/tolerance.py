@@ -106,9 +106,9 @@ def tolerances(
     scene: Scene,
     grades: dict[str, int],
     *,
-    count: int = 64,
+    count: int,
     seed: int = 1,
-    jobs: int | None = None,
+    jobs: int | None,
     simulate: Simulate | None = None,
     progress: Progress | None = None,
 ) -> ToleranceStudy:

@@ -8,7 +8,7 @@ from functools import partial
 from typing import NamedTuple
 
 from screwsim.inputs.faults import SceneError, UsageError
-from screwsim.inputs.suggestions import joined_names, nearest
+from screwsim.inputs.suggestions import joined_names, nearest, with_article
 from screwsim.scene import loads
 from screwsim.template import expander, gas, reciprocating, refrigeration
 from screwsim.template.request import SceneRequest, note_on_pressure, request_of
@@ -88,6 +88,5 @@ def new_scene(kind: str, asked: SceneRequest) -> str:
         if not told and ".gas_viscosity: " in what:
             lacks = "CoolProp has no viscosity of it, which the gaps need"
             told = f"--fluid {asked.fluid}: {lacks} (choose a similar gas)"
-        such = f"such {'an' if kind[0] in 'aeiou' else 'a'} {kind}"
-        raise UsageError(told or f"{such} is not possible: {what or place}") from None
+        raise UsageError(told or f"such {with_article(kind)} is not possible: {what or place}") from None
     return text

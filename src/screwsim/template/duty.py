@@ -8,9 +8,8 @@ from typing import NamedTuple
 
 from screwsim.fluid import constants
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs.customary import in_celsius
+from screwsim.outputs.customary import ZERO_CELSIUS, in_celsius
 from screwsim.scene.conventions import glide_to_tell
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes
 from screwsim.template.request import Condition, condition_of, quantity_after_comma
 

@@ -7,8 +7,7 @@ import numpy as np
 from screwsim.fluid import constants
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs.customary import in_celsius
-from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.outputs.customary import ZERO_CELSIUS, in_celsius
 from screwsim.template import sizes, texts
 from screwsim.template.gas import RPM, Duty, common_values, gas_duty, motor_values
 from screwsim.template.refrigeration import STAND_IN, substitute_properties

@@ -10,8 +10,7 @@ from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import FAMILIES
-from screwsim.outputs.customary import RPM
-from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.outputs.customary import RPM, ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.refrigeration import OILS_FOR
 from screwsim.template.request import Condition, SceneRequest, condition_of, quantity_after_comma
@@ -297,7 +296,7 @@ def booster(asked: SceneRequest) -> str:
     example = "5/20 bar"
     _refuse_liquid_at_outlet(fluid)
     size, duty = texts.sized(flow, speed), gas_duty(asked, fluid, example, "20 degC")
-    c_p = duty.R * duty.k / (duty.k - 1.0)
+    c_p = _heat_capacity(duty)
     gas_flow = LAMBDA * flow * duty.density
 
     def taken_at(leaving: float) -> float:

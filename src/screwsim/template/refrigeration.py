@@ -1,17 +1,19 @@
 """A screw compressor of a refrigeration plant or a heat pump: that of configs/r134a/compact.yaml in another size."""
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 from screwsim.build import build_parts
 from screwsim.fluid import constants
+from screwsim.fluid.composition import ENDING, is_blend
+from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.transport import transport
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.slide import fitting_slide
-from screwsim.outputs.customary import RPM, in_celsius
+from screwsim.outputs.customary import RPM, ZERO_CELSIUS, in_celsius
 from screwsim.scene import loads
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.template import sizes, texts
 from screwsim.template.duty import COPPER_CORROSIVES, EFFICIENCIES, Duty, conditions, duty_of, motor_in_gas
 from screwsim.template.request import SceneRequest
@@ -39,6 +41,10 @@ LARGEST_BORE_PORT_RATIO = 5.0
 STAND_IN, COLDEST_STAND_IN = "R134a", 200.0  # [K] from which its transport properties are taken
 # refrigerants of which the curves behind EFFICIENCIES are means
 CURVES = ("r134a", "propane", "r290", "n-propane", "r1234yf", "r1234ze(e)", "r1234zee", "r407c")
+EQUILIBRIUM = (  # of a fluid that is replaced by its blend
+    "# {0} as its blend in equilibrium: what the discharge end keeps condenses as it expands to suction pressure,\n"
+    "# which the mixture described as if pure cannot follow.\n"
+)
 OILS_FOR = {
     **dict.fromkeys(COPPER_CORROSIVES, "mineral_68"),
     **dict.fromkeys(("propane", "r290", "isobutane", "r600a", "n-butane", "r600", "propylene", "r1270"), "PAG_68"),
@@ -74,8 +80,11 @@ def first_flow(plant: Plant, asked: SceneRequest) -> float:
     return flow * asked.motor / _power(duty, asked)
 
 
-def scene_of(plant: Plant, asked: SceneRequest) -> str:
-    """Return the scene of the compressor of a refrigeration machine or a heat pump."""
+def scene_of(plant: Plant, asked: SceneRequest, blend_of: str = "") -> str:
+    """Return the scene of the compressor of a refrigeration machine or a heat pump.
+
+    `blend_of` is the fluid that was asked for, where its blend takes its place.
+    """
     fluid, flow = asked.fluid or plant.fluid, asked.flow or DEFAULT_DISPLACEMENT_FLOW
     duty = duty_of(fluid, flow, asked.condition or plant.condition, plant.condition)
     size = texts.sized(flow, asked.speed or 2950.0 * RPM)
@@ -84,6 +93,8 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
     leaky, in_gas = _leaky_efficiency(fluid, duty, size), motor_in_gas(fluid)
     ratio, separator = _oil_and_separator(fluid, duty, oil, asked.ratio or usual, leaky, in_gas)
     cooled, drop = "discharge_temperature:" in separator.partition("#")[0], duty.p_d - duty.p_s
+    if cooled and (blend := _blend_of_wet(fluid, duty, oil)):
+        return scene_of(plant, replace(asked, fluid=blend, oil=oil), fluid)
     bore = sizes.bore(ratio * duty.gas_flow, OILS[oil].density_at(BORE_OIL_TEMPERATURE), drop)
     substitute = substitute_properties(fluid, *_reference(duty))
     viscosity = "" if substitute is None else f",\n    gas_viscosity: {1e3 * substitute[1]:.3g} mPa s"
@@ -96,7 +107,7 @@ def scene_of(plant: Plant, asked: SceneRequest) -> str:
         **texts.machine(size, asked, usual, duty.p_d / duty.p_s),
         "ports": texts.ports(size, viscosity) + texts.shafts(size, viscosity),
         "rests": _evidence_comments(fluid),
-        "made": _sizing_comment(asked, plant),
+        "made": _sizing_comment(asked, plant) + (EQUILIBRIUM.format(blend_of) if blend_of else ""),
         "what": plant.what,
         "fluid": fluid,
         "two_phase": texts.two_phase(fluid, cooled),  # on cooled oil gas may condense
@@ -240,6 +251,30 @@ def _transport(fluid: str, duty: Duty, substitute: tuple[float, float, float] | 
     return "".join(f"    {line}\n" for line in lines)
 
 
+def _blend_of_wet(fluid: str, duty: Duty, oil: str) -> str:
+    """Return the blend in equilibrium that takes the place of a mixture described as if pure; '' where none need.
+
+    What is left at the discharge end expands with the chamber to suction pressure: gas from a cooled machine that
+    leaves with less entropy than saturated vapour has there condenses, and such a mixture cannot.
+    """
+    blend = f"{fluid}{ENDING}"
+    if is_blend(fluid) or not describe(fluid).glides or not is_blend(blend):
+        return ""
+    dew = constants.saturation_temperature(fluid, duty.p_d)
+    driest = constants.compressed(fluid, duty.p_s, duty.T_e, duty.p_d, 1.0)
+    leaving = constants.vapour_enthalpy(fluid, duty.p_d, _outlet(fluid, duty, oil))
+    over_dew = leaving - constants.vapour_enthalpy(fluid, duty.p_d, dew)
+    return blend if driest is not None and over_dew < driest.over_dew else ""
+
+
+def _outlet(fluid: str, duty: Duty, oil: str) -> float:
+    """Return the temperature [K] at which gas and oil leave a machine whose oil is cooled."""
+    limits = constants.limits(fluid)
+    assert limits is not None
+    hottest = min(OILS[oil].high - WITHIN, limits.T_max - BEYOND_MIXTURE)
+    return min(max(LEAVES, duty.T_c + ABOVE), hottest)
+
+
 def _leaky_efficiency(fluid: str, duty: Duty, size: sizes.Size) -> float:
     """Return an estimate of eta_s of a small or slow machine, whose gaps pass much of its displacement."""
     R, T = constants.gas_constant(fluid), duty.T_e + duty.more
@@ -261,7 +296,7 @@ def _oil_and_separator(
     assert limits is not None
     hottest_oil = OILS[oil].high - WITHIN
     hottest = min(hottest_oil, limits.T_max - BEYOND_MIXTURE)
-    leaves = min(max(LEAVES, duty.T_c + ABOVE), hottest)
+    leaves = _outlet(fluid, duty, oil)
     lossless = constants.compressed(fluid, duty.p_s, T, duty.p_d, 1.0)
     work = duty.work if lossless is None else lossless.work
     work *= sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, built_in)

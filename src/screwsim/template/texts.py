@@ -8,7 +8,7 @@ from typing import NamedTuple
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.description import describe
 from screwsim.inputs.faults import UsageError
-from screwsim.scene.units import ZERO_CELSIUS
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.template import sizes
 from screwsim.template.request import SceneRequest
 

@@ -163,3 +163,15 @@ def test_rows_lie_on_breakpoints(pairs, curves):
     assert module.STEP == pytest.approx(math.radians(0.5))
     curve = curves["b"].volume
     assert all(np.min(np.abs(curve.angle - at)) < 1e-9 for at in curve.breakpoints)
+
+
+def test_suction_closes_as_compression_begins_whatever_the_wrap(pairs):
+    """A chamber of a short wrap stays at its largest volume until its lobe ahead leaves the cusp at high pressure."""
+    pair = pairs["c"].pair
+    leaves = -pair.beta1 - pair.pitch
+    for wrap in (200.0, 201.0, 220.0, 240.0):
+        angle, largest = replace(pairs["c"], wrap=math.radians(wrap)).largest
+        assert angle == pytest.approx(leaves, abs=1e-6)
+        assert largest == pytest.approx(pairs["c"].length * pairs["c"].sections.grooves, rel=1e-6)
+    later = [replace(pairs["c"], wrap=math.radians(wrap)).largest[0] for wrap in (255.0, 270.0, 300.0)]
+    assert leaves < later[0] < later[1] < later[2]  # with a longer wrap it is largest when compression has begun

@@ -66,24 +66,40 @@ def test_a_lobe_whose_frame_is_turned_is_the_same_lobe(pairs, angle):
     assert found == pytest.approx(expected, abs=2e-5 * rotors.largest[1])
 
 
-def test_a_rack_in_points_gives_the_leading_flank(pairs):
-    """The rack of (b) mirrored on its trailing side: a symmetric rotor whose leading contact is that of (b)."""
-    pair, rho, alpha, r5 = PAIR, 18 * MM, 35 * DEG, 3 * MM
-    length, yL = rack_line(pair, rho, alpha, r5)
-    g = np.linspace(0.0, 0.5 * math.pi - alpha, 200)
+RHO, ALPHA, R5 = 18 * MM, 35 * DEG, 3 * MM
+
+
+def symmetric_rack():
+    """Return the rack of (b), mirrored on its trailing side: x above the pitch line, y from the tip [m]."""
+    length, yL = rack_line(PAIR, RHO, ALPHA, R5)
+    g = np.linspace(0.0, 0.5 * math.pi - ALPHA, 200)
     line = np.linspace(0.0, length, 100)[1:-1]
-    x = [r5 - pair.dedendum - r5 * np.cos(g), pair.addendum - rho + rho * np.cos(g[::-1])]
-    y = [-yL + r5 * np.sin(g), -rho * np.sin(g[::-1])]
-    x.insert(1, x[0][-1] + line * math.cos(alpha))
-    y.insert(1, y[0][-1] + line * math.sin(alpha))
+    x = [R5 - PAIR.dedendum - R5 * np.cos(g), PAIR.addendum - RHO + RHO * np.cos(g[::-1])]
+    y = [-yL + R5 * np.sin(g), -RHO * np.sin(g[::-1])]
+    x.insert(1, x[0][-1] + line * math.cos(ALPHA))
+    y.insert(1, y[0][-1] + line * math.sin(ALPHA))
     left, along = np.concatenate(x), np.concatenate(y)
-    chain = imported.from_rack(pair, np.append(left, left[-2::-1]), np.append(along, -along[-2::-1]))
-    exact = rack(pair, 1 * MM, 3 * MM, rho, alpha, r5)
+    return np.append(left, left[-2::-1]), np.append(along, -along[-2::-1])
+
+
+def test_a_rack_in_points_gives_the_leading_flank():
+    """Its leading contact is that of (b)."""
+    chain = imported.from_rack(PAIR, *symmetric_rack())
+    exact = rack(PAIR, 1 * MM, 3 * MM, RHO, ALPHA, R5)
     i = slice(exact.edges[0], exact.lead)
     lead = slice(chain.edges[0], chain.lead)
     psi = np.linspace(-0.6, -0.05, 50)
     found, expected = (np.interp(psi, part.psi[cut], part.x[cut]) for part, cut in ((chain, lead), (exact, i)))
     assert found == pytest.approx(expected, abs=2e-3 * MM)
+
+
+@pytest.mark.parametrize("moved", [3 * MM, -40 * MM, PAIR.r1 * PAIR.pitch])
+def test_a_rack_is_the_same_wherever_its_y_begins(moved):
+    """Its phase is that of the lobe's tip, as of points of the lobe; y often counts from the root."""
+    x, y = symmetric_rack()
+    one, other = (imported.from_rack(PAIR, x, y + by) for by in (0.0, moved))
+    assert other.psi == pytest.approx(one.psi, abs=1e-9)
+    assert other.male[1] == pytest.approx(one.male[1], abs=1e-12)
 
 
 def test_smoothing_averages_the_tangent_only():
@@ -239,7 +255,12 @@ def test_missing_parameters_are_named():
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [("a,b\n1,2\n", "columns x_mm and y_mm"), ("x_mm,y_mm\n1,2\n", "at least 20"), ("x_mm,y_mm\n1,two\n", "a number")],
+    [
+        ("a,b\n1,2\n", "columns x_mm and y_mm"),
+        ("x_mm,y_mm\n1,2\n", "at least 20"),
+        ("x_mm,y_mm\n1,two\n", "a number"),
+        ("x_mm,y_mm\n" + 25 * "1,2\n" + "nan,3\n", "point 26, nan, 3, is not finite"),
+    ],
 )
 def test_bad_files_are_refused(tmp_path, text, words):
     path = tmp_path / "points.csv"
@@ -255,3 +276,30 @@ def test_a_corner_in_the_points_is_refused():
 
 def test_circle_that_misses_the_tip_is_refused():
     assert "do not touch" in _refusal(circular, Pair(4, 6, 80 * MM, 33 * MM, 58 * MM), 3 * MM)
+
+
+@pytest.mark.parametrize("r4", [3.0, 4.0, 5.0])
+def test_a_wide_female_tip_goes_on_where_the_circle_ends(r4):
+    """From the pitch point the tip's centre may lie on the near side of its circle: the flanks meet there, too."""
+    pair = Pair(3, 5, 100 * MM, 53.5 * MM, 62.5 * MM)
+    distance = pair.addendum + r4 * MM
+    assert distance**2 < pair.r2**2 - (pair.female_radius - r4 * MM) ** 2  # the near side
+    chain = circular(pair, r4 * MM)
+    assert np.hypot(np.diff(chain.x), np.diff(chain.y)).max() < 0.1 * MM  # a point's spacing: no jump
+    assert max(mesh(pair, chain)) < 1e-3 * MM
+    assert check_profile(pair, chain) == []
+
+
+def test_points_of_which_a_stretch_of_contact_is_lost_are_refused(pairs, tmp_path):
+    """Points 0.2 mm apart, exact: a loop beside the tip takes 10 mm of the flank with it, and 0.4 % of V_max."""
+    x, y = (line[slice(pairs["b"].chain.edges[0], pairs["b"].chain.edges[1] + 1)] for line in pairs["b"].chain.male)
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+    path = tmp_path / "lobe.csv"
+
+    def made(count):
+        even = np.linspace(0.0, way[-1], count)
+        path.write_text(profile_csv(np.interp(even, way, x), np.interp(even, way, y)))
+        return make_rotors(points(path), 4, 6, 100 * MM, 110 * MM)
+
+    assert re.search(r"differ from those of their grooves by 0\.61 %: stretches", _refusal(made, 500))
+    assert made(1000).largest[1] == pytest.approx(pairs["b"].largest[1], rel=5e-5)

@@ -15,6 +15,8 @@ from screwsim.machine.rotors.checks import mesh
 from screwsim.machine.rotors.flanks import male_flanks
 from screwsim.machine.rotors.leakage import blow_hole_opening, mirrored
 from screwsim.machine.rotors.pair import outlines
+from screwsim.machine.rotors.rotors import make_rotors
+from screwsim.machine.rotors.settings import Profile
 
 MM, DEG = 1e-3, math.pi / 180.0
 THICK = 2.2 * MM**2  # what the thickness of the pixels takes off a section
@@ -198,3 +200,20 @@ def test_end_face_lengths_are_radii_between_two_chambers(pairs, solids, angle):
     counted = np.trapezoid(hit.astype(float), flanks.radii)
     length = leakage.male_lengths(rotors.pair, rotors.chain, np.array([psi]))[1][0]
     assert counted == pytest.approx(length, abs=3.0 * MM)
+
+
+@pytest.mark.parametrize(("lobes", "flank", "angles"), [((3, 5), 24, (-250, -90, -25)), ((6, 7), 12, (-150, -60, -20))])
+def test_sections_of_other_lobes_are_the_free_pixels(lobes, flank, angles):
+    A, (male, female) = 100.0, lobes
+    R1, R2 = A * male / (male + female) + 15.5, A * female / (male + female) + 2.5
+    radii = {"male_tip_radius": 1.0, "female_tip_radius": 6.0, "flank_radius": flank, "root_radius": 3.0}
+    lengths = {"centre_distance": A, "female_diameter": 2.0 * R2, **radii}
+    profile = Profile(
+        kind="rack", wrap_angle=300 * DEG, pressure_angle=33 * DEG, **{name: x * MM for name, x in lengths.items()}
+    )
+    rotors = make_rotors(profile, male, female, 2.0 * R1 * MM, 110 * MM)
+    pixels = Solids(rotors)
+    for angle in angles:
+        counted = pixels.chamber(angle * DEG).sum() * STEP**2
+        expected = rotors.sections.area_at(np.array([angle * DEG]))[0]
+        assert counted == pytest.approx(expected, abs=THICK)

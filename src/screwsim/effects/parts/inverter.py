@@ -23,6 +23,7 @@ from screwsim.effects.base import Faults
 from screwsim.inputs.declare import Derived, ReplaceableDefault, file, number, quantity
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
+from screwsim.inputs.textfiles import once_per_file
 
 FREQUENCY = 0.9  # relative frequency of the point at which the loss is stated
 IRON = 1.5
@@ -101,6 +102,7 @@ def motor_share(constant_share: float, at: Turning) -> float:
     return constant_share * at.speed**IRON + (1.0 - constant_share) * at.torque**2
 
 
+@once_per_file
 def read_points(path: str) -> list[tuple[float, ...]]:
     """Return (speed, current, loss [W]) of a maker's points; raise UsageError in one line where the file has none."""
     columns = f"the columns {', '.join(COLUMNS)}"

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from screwsim.effects.parts.readings import Site
+from screwsim.effects.parts.readings import Around, Site
 from screwsim.numerics.kernel import Kernel
 
 
@@ -53,6 +53,17 @@ class OilGas:
 
     plenum: str
     content: Callable[[Site], OilContent | OilSolution]
+
+
+@dataclass(frozen=True)
+class OilThinning:
+    """Gas dissolved in the oil makes it thinner (M199): `films(around, T, mu)` and `supply(around, T, mu)`.
+
+    They return the viscosity [Pa s] of oil at T [K] in films, and as it is supplied, from `mu` [Pa s] of pure oil.
+    """
+
+    films: Callable[[Around, float, float], float]
+    supply: Callable[[Around, float, float], float]
 
 
 @dataclass(frozen=True)

@@ -58,10 +58,26 @@ class CheckWithin:
     name: str
 
     def __call__(self, parameters, geometry) -> Iterator[Fault]:
-        """Yield a fault where a window extends beyond the chamber's life."""
+        """Yield a fault where a window extends beyond the chamber's life, or the chamber that rotors make of it."""
         if parameters.closes > geometry.life + 1e-9:
             what = f"lies beyond the chamber's life of {geometry.life / DEGREE:.6g} deg (choose an earlier angle)"
             yield Fault(f"effects.{self.name}.closes", what)
+            return
+        born, ends = _with_volume(geometry)
+        if parameters.closes > ends + 1e-9:
+            what = f"lies beyond {ends / DEGREE:.6g} deg, where the chamber's volume ends (choose an earlier angle)"
+            yield Fault(f"effects.{self.name}.closes", what)
+        elif parameters.closes <= born:
+            what = f"lies before {born / DEGREE:.6g} deg, where the chamber's volume begins (choose a later angle)"
+            yield Fault(f"effects.{self.name}.closes", what)
+
+
+def _with_volume(geometry) -> tuple[float, float]:
+    """Return the angles [rad] between which a chamber has a volume; those of a profile are idle beside these."""
+    laid = geometry.profile
+    if laid is None:
+        return 0.0, geometry.life
+    return (geometry.life - laid.ends, geometry.life - laid.born) if geometry.expands else (laid.born, laid.ends)
 
 
 def lost_by_backflow(found: Mapping[str, Any], figure: str, into: str, remedy: str = "") -> Iterator[str]:

@@ -124,7 +124,7 @@ function colourTrack(entry, name, effect, how) {
   const tint = (part) => `color-mix(in srgb, var(--${part}) ${Math.round(100 * strong)}%, var(--line))`;
   const [from, to] = effect > 0 ? [tint("c3"), tint("c4")] : [tint("c4"), tint("c3")];
   entry.range.style.setProperty("--track", `linear-gradient(to right, ${from}, ${to})`);
-  const words = `moving it to the right ${effect > 0 ? "raises" : "lowers"} ${aboutOf(name).words}: ${general(Math.abs(effect) * 100, 2)} % over the full range, by the slope here${how}`;
+  const words = `moving it to the right ${effect > 0 ? "raises" : "lowers"} ${aboutOf(name).words}: ${changeText(Math.abs(effect) * 100)} % over the full range, by the slope here${how}`;
   entry.range.title = words;
   entry.range.setAttribute("aria-description", words);
 }

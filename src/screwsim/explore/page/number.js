@@ -74,3 +74,8 @@ function logTicksOf(low, high) {
 function plain(value) {
   return general(value, 4).replace("-", "\u2212");
 }
+
+// The size of a change: two digits, from ten on a whole number.
+function changeText(size) {
+  return size < 9.95 ? general(size, 2) : size.toFixed(0);
+}

@@ -101,10 +101,10 @@ function changeOf(name, other) {
   const [now, before] = [shown.performance[name], other.performance[name]];
   if (!Number.isFinite(now) || !Number.isFinite(before) || now === before) return "";
   const about = aboutOf(name);
-  const signed = (value, unit) => (Math.abs(value) < 5e-3 ? "" : `${value > 0 ? "+" : "−"}${general(Math.abs(value), 2)}${unit}`);
+  const signed = (value, unit) => (Math.abs(value) < 5e-3 ? "" : `${value > 0 ? "+" : "−"}${changeText(Math.abs(value))}${unit}`);
   if (about.kelvin) return signed(now - before, " K");
   if (about.scales[0][2] === "%") return signed(100 * (now - before), " points");
-  return before === 0 ? "" : signed(100 * (now / before - 1), " %");
+  return before === 0 ? "" : signed((100 * (now - before)) / Math.abs(before), " %");
 }
 
 function pair(make) {

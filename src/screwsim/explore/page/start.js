@@ -51,6 +51,7 @@ function changed() {
     moved = true;
     ghost = shown;
   }
+  around.id = 0; // derivatives that are under way belong to the settings before
   ask(when);
   clearTimeout(rests);
   rests = setTimeout(rest, RESTS);

@@ -21,6 +21,7 @@ SCALED = "to change the size of a machine, scale all lengths of its profile"
 NEAR = 1e-2  # search radius over the centre distance for points that lie no nearer than the steps of the curves
 DEEP = 1e-4  # interference over centre distance above which is refused (8 µm at 80 mm; closed forms: 1e-7)
 DEEPER = 3.0  # further interference allowed to measured points, over their tolerance
+OPEN = 3e-3  # relative difference of swept and enclosed areas above which points are refused: V_max errs about as much
 OF_POINTS = "set machine.profile.tolerance to 3 to 5 times the noise of the points, or give more points there"
 
 
@@ -85,6 +86,15 @@ def check_blow_holes(*areas: float) -> list[Fault]:
         return []
     what = f"a blow-hole would have an area of {min(areas) * 1e6:.3g} mm²: the contact at the tip is lost in noise"
     return [Fault(PATH, f"{what} ({OF_POINTS})")]
+
+
+def check_swept(swept: float, grooves: float) -> list[Fault]:
+    """Return the fault of points whose contact has gaps: of areas [m²] that the rotors sweep, and that they leave."""
+    differ = swept / grooves - 1.0
+    if abs(differ) <= OPEN:
+        return []
+    what = f"the areas that the rotors sweep differ from those of their grooves by {100.0 * abs(differ):.2g} %"
+    return [Fault(PATH, f"{what}: stretches of the contact are lost in noise ({OF_POINTS})")]
 
 
 def reversals(x: Array, y: Array) -> Array:

@@ -29,7 +29,7 @@ def circular(pair: Pair, r4: float, points: int = POINTS) -> Chain:
     end = math.acos(ux)
     a = np.linspace(-end, end, points)
     arc = np.zeros(points), pair.r1 + ha * np.cos(a), ha * np.sin(a)
-    trailing = female_tip(pair, r4, 0.0, (ux, math.sin(end)), points)
+    trailing = female_tip(pair, r4, 0.0, (ux, math.sin(end)), points, far=r2 * ux <= T)
     leading = -trailing[0][::-1], trailing[1][::-1], -trailing[2][::-1]
     return join(pair, [leading, arc, trailing], points, lead=1, trail=2)
 
@@ -95,12 +95,16 @@ def _contact_of_tips(pair: Pair, r3: float, r4: float) -> float:
     return 0.5 * sum(bisected(lambda theta: first * gap(theta) > 0.0, low, high))
 
 
-def _tip_centre(r2: float, Re: float, ux: float) -> float:
-    """Return t(u) [m]: distance of the female tip arc's centre from the pitch point in a direction with x-part ux."""
-    return r2 * ux + math.sqrt(max(r2 * r2 * ux * ux - r2 * r2 + Re * Re, 0.0))
+def _tip_centre(r2: float, Re: float, ux: float, far: bool = True) -> float:
+    """Return t(u) [m]: distance of the female tip arc's centre from the pitch point in a direction with x-part ux.
+
+    That direction meets the centre's circle twice, nearer to the pitch point where not `far`.
+    """
+    root = math.sqrt(max(r2 * r2 * ux * ux - r2 * r2 + Re * Re, 0.0))
+    return r2 * ux + (root if far else -root)
 
 
-def female_tip(pair: Pair, r4: float, start: float, u: tuple[float, float], points: int) -> Segment:
+def female_tip(pair: Pair, r4: float, start: float, u: tuple[float, float], points: int, far: bool = True) -> Segment:
     """Return the contact of a female tip arc of radius r4 from ψ = start (direction u from P) to the centre line."""
     r2, Re = pair.r2, pair.female_radius - r4
     if r4 <= pair.dedendum:
@@ -108,7 +112,7 @@ def female_tip(pair: Pair, r4: float, start: float, u: tuple[float, float], poin
             f"machine.profile.female_tip_radius: not above the female lobe's height of {pair.dedendum * 1e3:.4g} mm: "
             "undercut of the male flank (choose 1.25 times that height, or a smaller female_diameter)"
         )
-    t = _tip_centre(r2, Re, u[0])
+    t = _tip_centre(r2, Re, u[0], far)
     eta_start = math.atan2(t * u[1], r2 - t * u[0])
     eta = eta_start * np.linspace(1.0, 0.0, points) ** 2  # dense at the end, where the direction to P turns fast
     psi = start + (eta_start - eta) / pair.k

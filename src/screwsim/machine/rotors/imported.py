@@ -28,8 +28,12 @@ def read_profile(path: str) -> tuple[Array, Array]:
     words = "needs the columns x_mm and y_mm with a number in every row"
     with sheet_or_usage_error("name an existing CSV file", path):
         points = np.array(read_sheet(path).numbers("x_mm", "y_mm", words=words))
-    if len(points) < 20 or not np.isfinite(points).all():
-        raise UsageError(f"{path}: has {len(points)} rows; a profile needs at least 20 finite points of one lobe")
+    if len(points) < 20:
+        raise UsageError(f"{path}: has {len(points)} rows; a profile needs at least 20 points of one lobe")
+    beyond = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(beyond):
+        x, y = points[beyond[0]]
+        raise UsageError(f"{path}: point {beyond[0] + 1}, {x:g}, {y:g}, is not finite (correct it, or leave it out)")
     return points[:, 0] * 1e-3, points[:, 1] * 1e-3
 
 
@@ -67,7 +71,8 @@ def _curve(x: Array, y: Array, smoothing: float) -> Segment:
         raise UsageError(
             f"machine.profile.file: the curve turns by {math.degrees(turn[worst]):.0f} deg at x = "
             f"{x[worst + 1] * 1e3:.3f} mm, y = {y[worst + 1] * 1e3:.3f} mm "
-            "(give more points there, round the corner, or set machine.profile.tolerance)"
+            "(give more points there, all in order from root to root, round the corner, or set "
+            "machine.profile.tolerance)"
         )
     angle = tangents(step, chord)
     way = np.concatenate([[0.0], np.cumsum(step)])
@@ -101,23 +106,30 @@ def from_male(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
     tip = int(np.argmax(np.hypot(x, y)))
     psi -= 2.0 * math.pi * round(psi[tip] / (2.0 * math.pi))
     c, s = np.cos(psi), np.sin(psi)
-    contact, turned = (c * x + s * y, c * y - s * x), math.atan2(y[tip], x[tip])
-    if abs(turned) > TURNED:
-        psi -= turned
-        psi -= 2.0 * math.pi * round(psi[tip] / (2.0 * math.pi))
-    return closed(pair, (psi, *contact))
+    return closed(pair, (_turned_back(psi, tip, math.atan2(y[tip], x[tip])), c * x + s * y, c * y - s * x))
+
+
+def _turned_back(psi: Array, tip: int, turned: float) -> Array:
+    """Return ψ [rad] with the lobe's tip on the centre line at ψ = 0, where it is `turned` [rad] from there."""
+    if abs(turned) <= TURNED:
+        return psi
+    return psi - turned - 2.0 * math.pi * round((psi[tip] - turned) / (2.0 * math.pi))
 
 
 def from_rack(pair: Pair, x: Array, y: Array, smoothing: float = 0.0) -> Chain:
-    """Return a rack's chain: x above the pitch line, y along it [m], increasing, 0 on the centre line at ψ = 0."""
+    """Return a rack's chain: x above the pitch line, y along it [m], increasing.
+
+    At ψ = 0 the lobe's tip lies on the centre line, wherever y begins (within `TURNED` of the male rotor).
+    """
     x, y, angle = _curve(x, y, smoothing)
     tx, ty = np.cos(angle), np.sin(angle)
     if np.min(ty) <= 0.0:
         raise UsageError(
             "machine.profile.file: the rack runs back along its pitch line (y must grow, or fall, from row to row)"
         )
-    Y = -x * tx / ty
-    return closed(pair, ((y - Y) / pair.r1, pair.r1 + x, Y))
+    X, Y = pair.r1 + x, -x * tx / ty
+    psi, tip = (y - Y) / pair.r1, int(np.argmax(np.hypot(X, Y)))
+    return closed(pair, (_turned_back(psi, tip, psi[tip] + math.atan2(Y[tip], X[tip])), X, Y))
 
 
 def closed(pair: Pair, contact: Segment) -> Chain:

@@ -15,13 +15,14 @@ import numpy as np
 
 from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.rotors import closed_form, fairing, imported
-from screwsim.machine.rotors.checks import check_blow_holes, check_pair, check_profile, check_size
+from screwsim.machine.rotors.checks import check_blow_holes, check_pair, check_profile, check_size, check_swept
 from screwsim.machine.rotors.leakage import BlowHoleOpening, blow_hole_opening, mirrored
 from screwsim.machine.rotors.pair import Array, Chain, Pair
-from screwsim.machine.rotors.sections import TURN, Sections, sections
+from screwsim.machine.rotors.sections import TURN, Sections, sections, sweep
 from screwsim.machine.rotors.settings import CIRCULAR, POINTS, RACK, Profile, check_settings
 from screwsim.numerics.roots import bisected
 
+SAME = 1e-9  # relative difference below which a chamber's volume does not change: rounding
 MOST_CACHED = 64  # rotors that a process caches, with their curves; a study of profiles makes ever new ones
 
 
@@ -83,11 +84,13 @@ class Rotors:
 
     @cached_property
     def largest(self) -> tuple[float, float]:
-        """φ of the largest volume [rad], and that volume [m³]."""
+        """φ of the largest volume [rad], and that volume [m³]; the last φ where it stays for a while (a short wrap)."""
         grid = np.linspace(self.start, self.wrap, 721)
-        i = int(np.argmax(self.volume(grid)))
+        volume = self.volume(grid)
+        full = np.flatnonzero(volume >= (1.0 - SAME) * volume.max())
+        i, least = int(full[-1]), 0.0 if len(full) == 1 else -SAME * self.h * self.sections.grooves
         low, high = float(grid[max(i - 1, 0)]), float(grid[min(i + 1, 720)])
-        low, high = bisected(lambda phi: float(self.volume_slope(np.array(phi))) > 0.0, low, high)
+        low, high = bisected(lambda phi: float(self.volume_slope(np.array(phi))) > least, low, high)
         angle = 0.5 * (low + high)
         return angle, float(self.volume(np.array(angle)))
 
@@ -165,7 +168,9 @@ def make_rotors(
     chain = _checked_chain(pair, replace(profile, wrap_angle=1.0), check, _stamp(profile.file))
     rotors = _rotors(pair, chain, length, profile.wrap_angle)
     if check and profile.measured:
-        _refuse(check_blow_holes(rotors.blow_hole.area(rotors.h), rotors.suction_blow_hole.area(rotors.h)))
+        holes = check_blow_holes(rotors.blow_hole.area(rotors.h), rotors.suction_blow_hole.area(rotors.h))
+        swept = sum(float(step.sum()) for step in sweep(pair, chain))
+        _refuse(holes + check_swept(swept, rotors.sections.grooves))
     return rotors
 
 

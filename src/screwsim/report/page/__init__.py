@@ -47,6 +47,7 @@ def page_of(results: Any, claims: Sequence[Any] = (), stages: Mapping[str, str] 
     from screwsim.report.page.pack import compressed
     from screwsim.report.page.uncertain import inputs_lines, model_lines
     from screwsim.results.read import stored_scenes
+    from screwsim.results.schema import quantities_along
 
     shown, sought = data.selection(results), objective_names(results)
     document = data.document(results, shown)
@@ -61,7 +62,7 @@ def page_of(results: Any, claims: Sequence[Any] = (), stages: Mapping[str, str] 
         sweep=bool(results.axis_list),
         solved=bool(document["figures"]),
         counts=tables.counts(results),
-        quantities=sum(len(axis.joined) or 1 for axis in results.axis_list),
+        quantities=sum(1 for _ in quantities_along(results.axis_list)),
         axes=tables.axes(results),
         headline="" if sought else tables.headline_efficiency(results),
         best=tables.best_table(results) if sought else None,

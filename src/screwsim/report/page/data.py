@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.figures.engineering import figure_scales, shown_name
-from screwsim.outputs import LEDGER_ENTRY, STATUSES, ledger_entries, words_of_effects
+from screwsim.outputs import LEDGER_ENTRY, LEDGER_SUMMARY, STATUSES, ledger_entries, words_of_effects
 from screwsim.outputs.customary import SCALES
 from screwsim.report import quantities
 from screwsim.report.families import efficiency_name, family_of, is_log, outcome_family
@@ -21,7 +21,7 @@ from screwsim.results.warning_kinds import cases_with_warnings
 
 MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # most cases shown; all are in the file
 STATES_OFF, FLOWS_OFF = 2e-4, 2e-3  # of a trace's span: largest deviation of the page's straight segments
-_BALANCES = ("mass", "energy", "entropy", "oil_mass", "bound")
+BALANCES = ("mass", "energy", "entropy", "oil_mass")  # those with a bound
 _STATES = {
     "volume": quantities.VOLUME,
     "pressure": PRESSURE,
@@ -68,6 +68,7 @@ def selection(results: Results) -> Selection:
 def document(results: Results, shown: Selection) -> dict[str, Any]:
     """Return the document that the page's script reads, of JSON types only."""
     texts = shown.of(results.messages)
+    balances = [name for name in (*BALANCES, "bound") if name in results.balance]
     return {
         "axes": [_axis(axis, stride) for axis, stride in zip(results.axis_list, shown.strides, strict=True)],
         "figures": _figures(results, shown),
@@ -75,7 +76,7 @@ def document(results: Results, shown: Selection) -> dict[str, Any]:
         "statuses": list(STATUSES),
         "messages": {str(case): str(texts[case]) for case in np.flatnonzero(texts != "").tolist()},
         "warnings": _warnings(results, shown),
-        "balance": {name: floats(shown.of(results.balance[name])) for name in _BALANCES if name in results.balance},
+        "balance": {name: floats(shown.of(results.balance[name])) for name in balances},
         "cycle": _cycle(results, shown),
         "ledger": _ledger(results, shown),
         "inputs": inputs_document(results, shown.part),
@@ -204,9 +205,8 @@ def _ledger(results: Results, shown: Selection) -> dict[str, Any] | None:
         return None
     entries = words_of_effects(ledger_entries(dict.fromkeys(results.ledger)))
     values = {name: floats(shown.of(results.ledger[name])) for name in results.ledger}
-    totals = ("shaft_power", "gas_exergy_rise", "oil_exergy_rise", "residue", "ambient_temperature")
     return {
-        "totals": {name: values[name] for name in totals if name in values},
+        "totals": {name: values[name] for name in LEDGER_SUMMARY if name in values},
         "entries": [
             {"words": words}
             | {quantity: values[f"{quantity}_{name}"] for quantity in LEDGER_ENTRY if f"{quantity}_{name}" in values}

@@ -7,22 +7,23 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.figures.engineering import engineering, figure_text, shown_name
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import BALANCE, STATUSES
 from screwsim.outputs.customary import small_number_text
 from screwsim.report.families import efficiency_name
 from screwsim.report.front import front_of, objective_names
-from screwsim.report.page.data import Selection
+from screwsim.report.page.data import BALANCES, Selection
 from screwsim.report.page.uncertain import half_of, half_text
 from screwsim.report.quantities import is_numeric, shown_axis, value_of
 from screwsim.results import Results
 from screwsim.results.optimum import AIM, ERROR
+from screwsim.results.schema import quantities_along
 from screwsim.results.warning_kinds import cases_with_warnings, warning_kinds
 from screwsim.screen import printable
 
 MOST_KINDS = 8  # of warnings, listed for a sweep
 MOST_BEST = 12  # evaluations of a front that are shown, evenly spread along its first objective; all are in the file
 VERDICTS = {True: "kept", False: "exceeded"}
-_BALANCES = ("mass", "energy", "entropy", "oil_mass")
 _VERSIONS = ("python_version", "numpy_version", "scipy_version", "llvmlite_version", "coolprop_version")
 
 
@@ -58,7 +59,7 @@ def warnings(results: Results) -> tuple[str, list[str]]:
     found, cases = warning_kinds(results), int(np.count_nonzero(cases_with_warnings(results)))
     if not results.axis_list:
         return (f"{len(found)} warnings" if len(found) > 1 else "Warning" if found else ""), [k.text for k in found]
-    lines = [f"{kind.cases} case{'s' * (kind.cases != 1)}: {kind.text}" for kind in found[:MOST_KINDS]]
+    lines = [f"{counted(kind.cases, 'case')}: {kind.text}" for kind in found[:MOST_KINDS]]
     if len(found) > MOST_KINDS:
         lines.append(f"{len(found) - MOST_KINDS} other kinds of warnings (see the file)")
     whole = f"{cases} of {results.status.size} cases {'warns' if cases == 1 else 'warn'}"
@@ -67,7 +68,7 @@ def warnings(results: Results) -> tuple[str, list[str]]:
 
 def axes(results: Results) -> Iterator[str]:
     """Yield a line about each axis of a sweep: its name, its number of values, and their range."""
-    for axis in (inner for outer in results.axis_list for inner in outer.joined or (outer,)):
+    for axis in quantities_along(results.axis_list):
         count = f"{len(axis.values)} values" if len(axis.values) > 1 else "one value"
         if not is_numeric(axis):
             yield f"{axis.path}: {count}: {', '.join(str(value) for value in axis.values)}"
@@ -118,7 +119,7 @@ def checks(results: Results) -> Iterator[BalanceCheck]:
     for stage, own in results.stages.items():
         yield from (check._replace(what=f"{stage} stage: {check.what}") for check in checks(own))
     closed = results.status == "ok"
-    for name in (name for name in _BALANCES if name in results.balance):
+    for name in (name for name in BALANCES if name in results.balance):
         values = np.where(closed, results.balance[name], np.nan)
         there = np.isfinite(values)
         if there.any():
@@ -198,7 +199,7 @@ def best_table(results: Results) -> BestTable:
     """Return what an optimisation sought and found."""
     names, front = objective_names(results), front_of(results)
     evaluations, *points = results.axis_list
-    varied = [axis for axis in evaluations.joined or (evaluations,) if is_numeric(axis)]
+    varied = [axis for axis in quantities_along([evaluations]) if is_numeric(axis)]
     spread = np.linspace(0, len(front) - 1, min(len(front), MOST_BEST)).round().astype(int)
     shown = front[spread]
     words = [shown_axis(axis) for axis in varied]

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from screwsim.outputs.display import aligned
 from screwsim.study.accuracy.measure import MeasuredCase
 
 if TYPE_CHECKING:
@@ -49,16 +50,6 @@ def _number(value: float, form: str) -> str:
     return format(value, form) if math.isfinite(value) else "-"
 
 
-def _lines(heads: Sequence[str], rows: Iterable[Sequence[str]], left: Sequence[int] = (0,)) -> list[str]:
-    """Return a table with columns as wide as necessary; those of `left` are left-aligned."""
-    table = [list(heads), *(list(row) for row in rows)]
-    widths = [max(len(row[i]) for row in table) for i in range(len(heads))]
-    return [
-        "  ".join(cell.ljust(widths[i]) if i in left else cell.rjust(widths[i]) for i, cell in enumerate(row)).rstrip()
-        for row in table
-    ]
-
-
 def _requested_table(study: Study) -> list[str]:
     rows = [
         (
@@ -75,7 +66,7 @@ def _requested_table(study: Study) -> list[str]:
         for each in study.asked
     ]
     heads = ("asked", "status", "closing", "ms", "+ ms", "RHS", "estimate", "true", "of")
-    return ["Requested and reached accuracy (+ ms: for the estimate)", *_lines(heads, rows, (1, 2, 8))]
+    return ["Requested and reached accuracy (+ ms: for the estimate)", *aligned([heads, *rows], (1, 2, 8))]
 
 
 def _short(figure: str) -> str:
@@ -113,7 +104,7 @@ def _part_table(study: Study, part: str, best: Sequence[MeasuredCase]) -> list[s
         rows.append([*row, "*" if any(each is one for one in best) else ""] if part == "integrators" else row)
     heads = ["", "asked", "ms", "RHS", "error", "of", "p", "T", *(["change"] if changing else [])]
     heads += [""] if part == "integrators" else []
-    return [_TITLES[part], *_lines(heads, rows, (0, 5))] if rows else []
+    return [_TITLES[part], *aligned([heads, *rows], (0, 5))] if rows else []
 
 
 def _effects_table(study: Study) -> list[str]:
@@ -142,7 +133,7 @@ def _effects_table(study: Study) -> list[str]:
         "What each effect costs and changes, compared with leaving it out",
         "(eta: isothermal or isentropic efficiency, points; power: shaft; T_d: discharge, K;",
         "capacity, COP: where the scene states a condenser; COP of the electrical power with a motor)",
-        *_lines(heads, rows),
+        *aligned([heads, *rows], (0,)),
         *notes,
     ]
 
@@ -152,11 +143,11 @@ def _size_table(study: Study) -> list[str]:
     if study.points:
         rows = [(str(s.size), f"{s.time:.3g}", f"{1e3 * s.time / s.size:.3g}") for s in study.points]
         heads = ("points of a sweep", "s", "ms a point")
-        lines += ["Size: a whole sweep over the speed, including workers and file", *_lines(heads, rows)]
+        lines += ["Size: a whole sweep over the speed, including workers and file", *aligned([heads, *rows], (0,))]
     good = [s for s in study.lobes if not s.reason]
     if good:
         rows = [(str(s.size), f"{1e3 * s.time:.3g}", str(s.evaluations)) for s in good]
-        lines += ["", "Size: male lobes", *_lines(("male lobes", "ms", "RHS"), rows)]
+        lines += ["", "Size: male lobes", *aligned([("male lobes", "ms", "RHS"), *rows], (0,))]
     return lines
 
 

@@ -53,7 +53,7 @@ def units_of(figure: str) -> Mapping[str, float]:
     return UNITS.get(si, {si: 1.0})
 
 
-def bare_percent(figure: str, number: str, kind: str = "figure") -> str:
+def bare_percent(figure: str, number: str, kind: str) -> str:
     """Return that an efficiency written as a number without a unit is meant in %; empty for any other figure.
 
     `kind`: figure or uncertainty of one.
@@ -67,7 +67,7 @@ def quantity_of(figure: str, kind: str, unit: str) -> Kind | None:
     """Return the dimension of a figure, or of its uncertainty, among those of scenes that know the unit; else None.
 
     Raise `Refused` for an uncertainty in a unit with a zero of its own (barg, degF), for a unit that scenes refuse by
-    name (barg, Hz), and for another spelling of one (psia, cfm).
+    name (barg, Hz), and for another spelling of one (psia, lpm).
     """
     si = tidy_unit(si_unit(declared(figure).units))
     named = [each for each in KINDS.values() if each.si == si]

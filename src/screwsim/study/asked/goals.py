@@ -10,7 +10,7 @@ from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene import Scene
 from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.units import NUMBER, gauge_pressures_over, parse_quantity, refused_at, tidy_unit
-from screwsim.study.asked.figure_units import CELSIUS, UNITS, bare_percent, quantity_of
+from screwsim.study.asked.figure_units import CELSIUS, bare_percent, quantity_of, units_of
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.asked.varied import Varied
 
@@ -74,8 +74,7 @@ def read_figure(figure: str, text: str, where: str, kind: str = "figure") -> flo
 
     Units are those listed for it, and those in which scenes state its dimension; `kind`: figure or uncertainty of one.
     """
-    si = declared(figure).units
-    units = UNITS.get(si, {si: 1.0})
+    units = units_of(figure)
     match = re.fullmatch(rf"({NUMBER})\s*(.*?)", text.strip())
     if match is None:
         odd = odd_number(text)

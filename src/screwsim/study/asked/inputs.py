@@ -5,10 +5,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import ZERO_CELSIUS, with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.grid import without_axes
-from screwsim.scene.units import NUMBER, ZERO_CELSIUS, customary_unit, to_customary
+from screwsim.scene.units import NUMBER, customary_unit, to_customary
 from screwsim.study.asked.varied import Kind, Varied, case, faults_of, leaf_of, read_value, with_values
 
 CELSIUS = "°C"

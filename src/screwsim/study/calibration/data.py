@@ -25,7 +25,7 @@ from screwsim.scene.units import (
     parse_quantity,
     tidy_unit,
 )
-from screwsim.scene.values import convert, shown
+from screwsim.scene.values import convert_cell, shown
 from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
 from screwsim.study.asked.figure_units import CELSIUS, UNITS, bare_percent, quantity_of, units_of
 from screwsim.study.calibration.fit import Measurement, Point
@@ -267,10 +267,7 @@ def _value(column: _Column, text: str) -> Any:
     if odd is not None and (column.unit or column.leaf is None):
         raise Refused(f"{shown(text)} {odd_number_text(odd, '')}")
     if column.leaf is not None:
-        if column.leaf.dimension is not None:
-            return convert(column.leaf, f"{text} {column.unit}" if column.unit else text)
-        number = int if column.leaf.kind == "count" and text.isdigit() else float
-        return convert(column.leaf, number(text) if re.fullmatch(NUMBER, text) else text)
+        return convert_cell(column.leaf, text, column.unit)
     if not text:
         return None
     if not re.fullmatch(NUMBER, text):

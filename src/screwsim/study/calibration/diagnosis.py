@@ -15,6 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.display import About, Brief
+from screwsim.study.asked.inputs import shown_value
 from screwsim.study.calibration.fit import Fit, Parameter
 from screwsim.study.calibration.hypotheses import (
     INTERVAL_LEVEL,
@@ -36,6 +38,7 @@ from screwsim.study.calibration.machine import (
     point_shifts,
     unchanged_fit,
 )
+from screwsim.study.calibration.misread_units import HOPELESS, misread_by_residuals
 from screwsim.study.calibration.pair_likelihood import PairLikelihood, additive_likelihood, curves_of, solved_pair
 from screwsim.study.calibration.profile import (
     LinearLikelihood,
@@ -62,8 +65,8 @@ FIRST_PAIRS = 2  # ... and in any case so many where nothing else fits
 UNLIKELY, UNSOLVED = "improbable", "no other value has a solution at every point"  # why slopes alone
 
 
-@dataclass(frozen=True)
-class Diagnosis:
+@dataclass(frozen=True, repr=False)
+class Diagnosis(Brief):
     """The answer: hypotheses, the most probable first; `unchanged` are the parameters [SI] of the unchanged machine.
 
     `chance` is the probability of a misfit at least as large as the best one's. `odds` are the prior odds of two
@@ -83,6 +86,18 @@ class Diagnosis:
     solutions: int = 0
     failed: int = 0
     odds: float = 0.0
+    misread: tuple[str, ...] = ()  # lines on columns that look like those of another unit, where the misfit is hopeless
+
+    def _about(self) -> About:
+        scene, rows = self.fit.scene, []
+        for one in self.hypotheses:
+            now = ", ".join(shown_value(scene, each.path, each.value, 4) for each in one.changes)
+            rows.append((one.path or "nothing", f"{100.0 * one.probability:.3g} %", now, f"{one.misfit:.3g}"))
+        none = "nothing fits: chance alone produces a misfit as large in less than 1 % of all cases"
+        fits = self.chance is None or self.chance >= LEAST_CHANCE
+        notes = [text for text in (self.fit.title, self.message, "" if fits else none) if text]
+        heading = f"Diagnosis: {self.status}; {len(self.fit.fitted)} points"
+        return About(heading, notes, ("changed", "probability", "now", "chi²"), rows)
 
     @property
     def changed(self) -> dict[str, float]:
@@ -207,6 +222,7 @@ def diagnose(
     odds = pairs if len(fit.parameters) > 1 else 0.0
     judged = _judged(linear, unchanged, odds, partial(parallel_map, jobs=jobs, progress=progress))
     ranked = tuple(sorted(judged.hypotheses, key=lambda hypothesis: -hypothesis.probability))
+    hopeless = ranked[0].misfit > HOPELESS * max(ranked[0].freedom, 1)
     return Diagnosis(
         fit,
         "failed" if reasons else "ok",
@@ -221,6 +237,7 @@ def diagnose(
         solutions=solutions + judged.solutions,
         failed=failed + judged.failed,
         odds=odds,
+        misread=misread_by_residuals(fit, solved, [each.residuals for each in known]) if hopeless else (),
     )
 
 

@@ -24,6 +24,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
+from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, cross_check
 from screwsim.study.asked.inputs import shown_value
 from screwsim.study.asked.spans import Span, read_ranges
@@ -72,8 +73,8 @@ class PlannedPoint:
     deviations: tuple[float, ...]
 
 
-@dataclass(frozen=True)
-class Plan:
+@dataclass(frozen=True, repr=False)
+class Plan(Brief):
     """The answer: points in the order of their information; `before` are the present deviations [SI].
 
     `even` are the parameters of which only the bounds are known beforehand. `reasons` are those of points and
@@ -95,6 +96,11 @@ class Plan:
     failed: int = 0
     idle: tuple[str, ...] = ()
     unsure: Mapping[str, str] = field(default_factory=dict)  # candidates at which an input has no derivative, and why
+
+    def _about(self) -> About:
+        rows = [(step.point.name, f"{step.gain:.3f}") for step in self.steps]
+        heading = f"Plan: {self.status}; {len(self.steps)} of {self.candidates} candidates"
+        return About(heading, [text for text in (self.fit.title, self.message) if text], ("measure next", "gain"), rows)
 
 
 class PointInformation(NamedTuple):

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.inputs.faults import Interrupted
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene
 from screwsim.study.asked.inputs import shown_value
@@ -19,6 +20,7 @@ from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
 from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
 from screwsim.study.calibration.machine import prepare
+from screwsim.study.calibration.misread_units import HOPELESS, misread_units
 from screwsim.study.calibration.other_inputs import InputShift, input_shifts
 from screwsim.study.calibration.residuals import PENALTY, Array, Objective, Residuals, Simulate, reasons_of
 from screwsim.study.pool.parallel import parallel_map
@@ -84,6 +86,7 @@ class Calibration(Brief):
     warnings: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # of points that warn at the best values
     shifts: tuple[InputShift, ...] = ()  # of the values by the tolerances of inputs that are not fitted
     left_out: Mapping[str, str] = field(default_factory=dict)  # of those inputs, without a derivative, and why
+    misread: tuple[str, ...] = ()  # lines on columns that look like those of another unit, where the misfit is hopeless
 
     @property
     def scale(self) -> float:
@@ -132,7 +135,7 @@ def cost_in_words(fit: Fit) -> str:
     points = len(fit.fitted)
     jacobian = points * (2 if fit.slopes == EXACT else 2 * len(fit.parameters) + 1)
     least = fit.starts * jacobian
-    many = f"{fit.starts} start{'s' * (fit.starts > 1)}"
+    many = counted(fit.starts, "start")
     told = f"{many}, {points} points, {len(fit.parameters)} parameters: some {least} to {3 * least} solutions"
     fewer = "fewer `starts:` in the fit take less time, but may miss the best fit"
     return f"{told} ({fewer})" if fit.starts > 1 else told
@@ -261,9 +264,25 @@ def _calibration_of_starts(
     status = "interrupted" if interrupted else "failed" if outcome.reasons else "ok"
     message = _message(outcome, best, interrupted, len(starts))
     rest = (known, outcome.chi_squared, freedom, margin, as_good, compared, reasons)
-    more: dict[str, Any] = {**_counts((*starts, asked)), "methods": asked.methods, "warnings": warned}
-    more |= {"shifts": shifts, "left_out": left_out}
+    before = Objective(fit, simulate)
+    hopeless = not interrupted and outcome.chi_squared > HOPELESS * max(freedom, 1)
+    misread = _misread(before) if hopeless else ()
+    more: dict[str, Any] = {**_counts((*starts, asked, before)), "methods": asked.methods, "warnings": warned}
+    more |= {"shifts": shifts, "left_out": left_out, "misread": misread}
     return Calibration(fit, status, message, tuple(starts), values, *rest, **more)
+
+
+def _misread(before: Objective) -> tuple[str, ...]:
+    """Return which columns look like those of another unit, by the machine that the first start begins with."""
+    fit = before.fit
+    outcome = before.outcome(fit.places(fit.first_start()))
+    numbers = (
+        (name, measured, outcome.results[point.name].performance.get(name))
+        for point in fit.fitted
+        for name, measured in point.measured.items()
+    )
+    solved = ((name, measured, ours) for name, measured, ours in numbers if ours is not None)
+    return misread_units(solved, fit.scene.operation.ambient_pressure)
 
 
 def _counts(spent: Sequence[Start | Objective]) -> dict[str, Any]:

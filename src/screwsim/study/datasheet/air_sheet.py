@@ -6,7 +6,7 @@ from typing import Any
 from screwsim.effects.air_package import FREE_AIR
 from screwsim.effects.parts.rating import WEIGHTS
 from screwsim.outputs import Result
-from screwsim.outputs.customary import RPM, with_printed_units
+from screwsim.outputs.customary import MINUTE, RPM, with_printed_units
 from screwsim.outputs.us_units import CFM, HORSEPOWER, PSI
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
@@ -22,7 +22,7 @@ from screwsim.study.datasheet.tables import BLANK, MARK, document_figures
 from screwsim.study.datasheet.units import METRIC, Units
 
 REFERENCE_INLET = 1e5, 293.15  # Pa, K
-KW, MINUTE = 1e3, 60.0  # W, s
+KW = 1e3  # W
 PER_HUNDRED, GRAINS = 100.0 * CFM, 7000.0  # m³/s in 100 cfm; grains in a pound
 POWER, SPECIFIC = "package_input_power", "package_specific_power"
 SEPARATED, COOLED, PACKAGE_VAPOUR = "condensate_flow", "aftercooler_condensate_flow", "package_vapour_flow"

@@ -14,6 +14,7 @@ from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 from screwsim.numerics.pchip import Pchip
+from screwsim.outputs.customary import HOUR, MINUTE
 from screwsim.outputs.us_units import CFM, FOOT
 from screwsim.scene.units import NUMBER, parse_quantity, refused_at
 from screwsim.study.datasheet.air_rating import Point, Rating
@@ -21,10 +22,9 @@ from screwsim.study.datasheet.sheet import Table
 from screwsim.study.datasheet.units import METRIC
 
 POWER, OPTION = "package_input_power", "--profile"
-MINUTE, HOUR, KWH, WHOLE = 60.0, 3600.0, 3.6e6, 8760.0  # s, s, J, h
+KWH, WHOLE = 3.6e6, 8760.0  # J, h
 DEMAND_TOLERANCE = 1e-3  # of full flow: excess of a demand that still counts as met
 _FLOW = re.compile(r"flow\s*\[([^\]]+)\]")
-_AS_ON_SHEETS = dict.fromkeys(("acfm", "cfm"), "ft^3/min")
 _EXAMPLE = "a first line 'flow [m^3/min], hours', then e.g. '6.5, 2000'"
 
 
@@ -65,7 +65,7 @@ def read_profile(name: str) -> tuple[Demand, ...]:
         raise UsageError(f"{where}: is not a table of flows (with unit) and hours (write {_EXAMPLE})")
     match = heads[flow]
     assert match is not None
-    unit = _AS_ON_SHEETS.get(match[1], match[1])
+    unit = match[1]
     found = []
     for row in sheet.rows:
         at, hours = f"{where} line {row.line}", row.cells[1 - flow]

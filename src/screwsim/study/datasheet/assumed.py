@@ -14,8 +14,8 @@ from typing import Any
 from screwsim.evaluate.plausible import APART
 from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import OILS
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene import Scene
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet.units import Units
 

@@ -10,10 +10,11 @@ from typing import Any, NamedTuple
 from screwsim.effects.parts.bearing_set import AXIAL, ENDS, SET_LIFE
 from screwsim.machine.rotors.loads import NAMES
 from screwsim.outputs import Result
+from screwsim.outputs.customary import HOUR
 from screwsim.study.datasheet.sheet import Table
 from screwsim.study.datasheet.units import METRIC, Units
 
-HOUR, DIGITS = 3600.0, 3  # s, significant digits of a life, of which nothing is known more closely
+DIGITS = 3  # significant digits of a life, of which nothing is known more closely
 BEARINGS = tuple(f"{rotor}_{place}" for rotor, place in product(NAMES, (*ENDS, AXIAL)))
 LOAD, LIFE = "{}_bearing_equivalent_load", "{}_bearing_life"
 LIFE_FIGURES = (*(name.format(each) for each in BEARINGS for name in (LOAD, LIFE)), SET_LIFE)

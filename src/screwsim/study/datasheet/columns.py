@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from screwsim.study.datasheet.units import METRIC, Measure, Units
 
-KW, HOUR, PERCENT, BAR = 1e-3, 3600.0, 100.0, 1e-5
+KW, PERCENT, BAR = 1e-3, 100.0, 1e-5
 NONE = "–"
 GAS_OUT, MIXTURE = "discharge_temperature", "mixture_discharge_temperature"
 MEASURES = {"kW": "power", "bar": "pressure", "kg/h": "mass_flow", "m³/h": "swept", "L/min": "oil"}

@@ -17,7 +17,7 @@ from screwsim.scene.operation import CONDENSING, EVAPORATING, P_D, P_S
 from screwsim.study.datasheet import machine_lines, tables
 from screwsim.study.datasheet import rated as rating
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
-from screwsim.study.datasheet.bounds import Limit, motor_of
+from screwsim.study.datasheet.bounds import Limit
 from screwsim.study.datasheet.columns import MIXTURE, PERCENT, Column, decimals_of, measured, outlet_temperatures
 from screwsim.study.datasheet.machine_lines import DUTY
 from screwsim.study.datasheet.rated import Axis, SceneRating, SceneRequest, pressure_ratio
@@ -147,7 +147,7 @@ def _point(rated: SceneRating, found: Mapping[str, Any]) -> str:
 
 
 def _power_words(rated: SceneRating) -> str:
-    electrical = motor_of(rated.asked.scene) is not None
+    electrical = rated.asked.has_motors
     if _expands(rated):
         return "of electrical power given" if electrical else "given at the shaft"
     return "of electrical power" if electrical else "at the shaft"
@@ -156,7 +156,7 @@ def _power_words(rated: SceneRating) -> str:
 def _columns(rated: SceneRating) -> tuple[Column, ...]:
     """Return the columns with a table each; the first four are flow, power, efficiency and filling of the chambers."""
     scene, own, expands = rated.asked.scene, rated.own.performance, _expands(rated)
-    electrical = motor_of(scene) is not None
+    electrical = rated.asked.has_motors
     units, size = rated.asked.units, abs(own.get("shaft_power") or 1e5)
     word = "electrical power" if electrical else "shaft power"
     what, sign = (f"{word} given" if expands else word), (-1.0 if expands else 1.0)

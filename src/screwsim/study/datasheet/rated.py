@@ -5,7 +5,6 @@ and outlet for expanders.
 """
 
 import itertools
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
@@ -18,7 +17,6 @@ from screwsim.scene import Scene, cross_check, with_values, without_sweep
 from screwsim.scene.grid import Swept
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.simulate import simulate_many
 from screwsim.study.asked.inputs import ends_of, read_text, refuse_empty_range, shown_value
 from screwsim.study.datasheet.bounds import EnvelopeRange, Limit, envelope, motor_of
@@ -302,9 +300,3 @@ def pressure_ratio(scene: Scene) -> float:
     """Return the higher over the lower pressure of a scene's lines, in the direction that the machine is meant for."""
     at = lines(scene)
     return at.p_s / at.p_d if scene.machine.expands else at.p_d / at.p_s
-
-
-def celsius(T: float) -> float:
-    """Return a temperature [K] in °C, without the rounding of 273.15."""
-    found = round(T - ZERO_CELSIUS, 6)
-    return 0.0 if math.isclose(found, 0.0, abs_tol=1e-9) else found

@@ -10,11 +10,10 @@ from typing import Any
 
 from screwsim.figures.engineering import shown_name
 from screwsim.fluid.composition import is_blend
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import ZERO_CELSIUS, with_printed_units
 from screwsim.scene import Scene, conventions, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.datasheet import machine_lines, tables
 from screwsim.study.datasheet import rated as rating
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table

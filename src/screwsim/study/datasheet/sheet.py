@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs.display import grouped
 from screwsim.results.warning_kinds import kind_of
 
@@ -88,4 +89,4 @@ def warning_lines(points: Sequence[tuple[str, Sequence[str]]], among: int = 0) -
         elif len(others) <= MOST_PLACES:
             yield f"{where}: {text} (the same at {', '.join(place for place, _ in others)})"
         else:
-            yield f"{where}: {text} (the same at {len(others)} more points)"
+            yield f"{where}: {text} (the same at {counted(len(others), 'more point')})"

@@ -4,11 +4,11 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from screwsim.figures.engineering import shown_name
-from screwsim.outputs.customary import with_printed_units
+from screwsim.outputs.customary import HOUR, MINUTE, with_printed_units
 from screwsim.outputs.display import grouped
 from screwsim.scene import grid
 from screwsim.study.asked.inputs import in_customary
-from screwsim.study.datasheet.columns import HOUR, KW, NONE, PERCENT, Column, decimals_of
+from screwsim.study.datasheet.columns import KW, NONE, PERCENT, Column, decimals_of
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, warning_lines
 from screwsim.study.datasheet.stages_air import STAGE_HEADS, is_air_package
 from screwsim.study.datasheet.stages_rating import refrigerates
@@ -19,9 +19,9 @@ from screwsim.study.stages.store import ChainPoint
 
 MOST_CURVES = 8  # in a drawing
 AIR_COLUMNS = (
-    Column("free_air_delivered", "m³/min", 60.0, 2),
+    Column("free_air_delivered", "m³/min", MINUTE, 2),
     Column("package_input_power", "kW", KW, 1),
-    Column("package_specific_power", "kW/ (m³/min)", KW / 60.0, 2),
+    Column("package_specific_power", "kW/ (m³/min)", KW / MINUTE, 2),
 )
 
 

@@ -14,13 +14,13 @@ import numpy as np
 from screwsim.figures import rotor_speed
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs import Result
-from screwsim.outputs.customary import RPM, with_printed_units
+from screwsim.outputs.customary import HOUR, MINUTE, RPM, with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet import gas_sheet, machine_lines, refrigeration_sheet, tables
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, TITLE, lives_table
 from screwsim.study.datasheet.bounds import motor_of
-from screwsim.study.datasheet.columns import BAR, HOUR, KW, MIXTURE, NONE, PERCENT, Column, decimals_of, in_units
+from screwsim.study.datasheet.columns import BAR, KW, MIXTURE, NONE, PERCENT, Column, decimals_of, in_units
 from screwsim.study.datasheet.machine_lines import DUTY, Lines
 from screwsim.study.datasheet.refrigeration_sheet import own_point
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
@@ -44,7 +44,6 @@ DOCUMENT_FIGURES = (
 )  # fmt: skip
 INTERMEDIATE_COLUMN = Column(INTERMEDIATE, "between bar", BAR, 3)  # its title is its head
 PEAK_FIGURES = (*DISCHARGES, "first_shaft_power", "second_shaft_power")
-MINUTE = 6e4  # from m³/s to L/min
 EACH_STAGE = (  # figures of a stage, a row each
     Column("displacement_flow", "swept volume [m³/h]", HOUR, 1),
     Column("suction_pressure", "suction pressure [bar]", BAR, 3),
@@ -59,7 +58,7 @@ EACH_STAGE = (  # figures of a stage, a row each
     Column(MIXTURE, "discharge of gas and oil [°C]", 1.0, 1, celsius=True),
     Column("discharge_temperature", "discharge of the gas alone [°C]", 1.0, 1, celsius=True),
     Column("separator_temperature", "separator temperature [°C]", 1.0, 1, celsius=True),
-    Column("oil_flow_volume", "oil [L/min]", MINUTE, 1),
+    Column("oil_flow_volume", "oil [L/min]", 1e3 * MINUTE, 1),
     Column("oil_supply_temperature", "oil temperature [°C]", 1.0, 1, celsius=True),
     Column(DUTY, "oil cooler duty [kW]", KW, 2),
 )

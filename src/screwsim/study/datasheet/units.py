@@ -9,11 +9,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from screwsim.outputs import customary
+from screwsim.outputs.customary import HOUR, MINUTE, ZERO_CELSIUS
 from screwsim.outputs.us_units import BTU, CFM, FOOT, GALLON, HORSEPOWER, INCH, POUND, POUND_FORCE, PSI, TON
 from screwsim.scene.types import STANDARD_ATMOSPHERE
-from screwsim.scene.units import ZERO_CELSIUS
-
-HOUR, MINUTE = 3600.0, 60.0  # [s]
 
 
 class Measure(NamedTuple):

@@ -8,10 +8,11 @@ import numpy as np
 
 from screwsim.inputs.arguments import NUMBER, as_list, checked_arguments
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.results import Results, open_results
 from screwsim.results.read import STAGES
 from screwsim.scene.fields import Leaf, catalogue_leaves, unknown_key
-from screwsim.scene.units import ZERO_CELSIUS, readable_quantity, refused_at
+from screwsim.scene.units import readable_quantity, refused_at
 from screwsim.scene.values import convert
 from screwsim.study.maps.performance_map import PerformanceMap, performance_maps, temperature_paths
 from screwsim.study.maps.short_names import short_name

@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.results import Results
 from screwsim.scene.conventions import other_convention
 from screwsim.scene.grid import FLUID
 from screwsim.scene.operation import CONDENSING, EVAPORATING, QUALITY, SUBCOOLING, SUPERHEAT, SUPERHEAT_S
 from screwsim.scene.types import COVERAGE
-from screwsim.scene.units import ZERO_CELSIUS
 from screwsim.study.asked.figures import figure_named
 from screwsim.study.stages.axes import names_of
 

@@ -8,10 +8,11 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import Row, name_and_unit, read_sheet, sheet_or_usage_error
+from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene import Scene, leaf_of
 from screwsim.scene.operation import CONDENSING, EVAPORATING
-from screwsim.scene.units import NUMBER, ZERO_CELSIUS, gauge_pressures_over, refused_at
-from screwsim.scene.values import convert
+from screwsim.scene.units import NUMBER, gauge_pressures_over, refused_at
+from screwsim.scene.values import convert_cell
 from screwsim.study.asked.inputs import check_continuous
 from screwsim.study.optimize.seasons import SeasonalStandard, standards
 from screwsim.study.part_load import HEATING, REFRIGERATION, LoadFigures
@@ -203,8 +204,5 @@ def _point(scene: Scene, row: Row, columns: Sequence[_Column], where: str) -> Op
 
 
 def _value(scene: Scene, text: str, column: _Column, where: str) -> Any:
-    leaf = leaf_of(scene, column.path)
-    number = leaf.dimension is None and re.fullmatch(NUMBER, text)
-    raw = (int(text) if leaf.kind == "count" and text.isdigit() else float(text)) if number else text
     with refused_at(f"{where}: {column.path}"), gauge_pressures_over(scene.operation.ambient_pressure):
-        return convert(leaf, f"{text} {column.unit}" if column.unit else raw, scene.folder)
+        return convert_cell(leaf_of(scene, column.path), text, column.unit, scene.folder)

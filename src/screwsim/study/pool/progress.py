@@ -230,8 +230,14 @@ class NotebookBar(CountingProgress):
     progress`.
     """
 
-    def __init__(self, title: str, publish: Publisher | None = None, every: float = 0.2) -> None:
-        super().__init__(title)
+    def __init__(
+        self,
+        title: str,
+        publish: Publisher | None = None,
+        every: float = 0.2,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        super().__init__(title, clock)
         self._publish = publish
         self._every = every
         self._name = uuid.uuid4().hex
@@ -242,9 +248,10 @@ class NotebookBar(CountingProgress):
         self._draw([])
 
     def _refresh(self) -> None:
-        if not self._there or time.monotonic() - self._drawn < self._every:
+        now = self._clock()
+        if not self._there or now - self._drawn < self._every:
             return
-        seconds, new = time.monotonic() - self._began, self._done - self._reused
+        seconds, new = now - self._began, self._done - self._reused
         if new and seconds > 0.0:
             left = (self._cases - self._done) * seconds / new
             self._draw([f"{digits(new / seconds)} points/s", f"{_duration(left)} left"])
@@ -268,7 +275,7 @@ class NotebookBar(CountingProgress):
             transient={"display_id": self._name},
             update=self._there,
         )
-        self._there, self._drawn = True, time.monotonic()
+        self._there, self._drawn = True, self._clock()
 
 
 def _duration(seconds: float) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 from screwsim.inputs.arguments import NUMBER, NUMBERS, TEXTS, as_list, checked_arguments
 from screwsim.inputs.arguments import shown as shown_argument
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import counted
 from screwsim.scene import SceneLike, case_count, case_values, without_sweep
 from screwsim.scene.units import gauge_pressures_over
 from screwsim.study.asked.figures import figure_of
@@ -59,17 +60,14 @@ def question(
     sizes = read_catalogue(scene, path, catalogue) if isinstance(catalogue, str) and catalogue else catalogue
     sizes = tuple(sorted(map(float, sizes)))
     spans = read_spans(scene, vary, ranged=False, sizes=sizes)
+    count = counted(len(wanted), "goal")
     if len(spans) > len(wanted):
-        more, remedy = f"{len(spans)} paths vary for {_count(wanted)}", "screwsim optimize finds the best solution"
+        more, remedy = f"{len(spans)} paths vary for {count}", "screwsim optimize finds the best solution"
         raise UsageError(f"--vary: {more} (vary as many as there are --for; {remedy}, --subject-to the goals)")
     if len(spans) < len(wanted):
-        less, remedy = f"{_count(wanted)} for {len(spans)} varied paths", "screwsim calibrate fits more figures"
+        less, remedy = f"{count} for {len(spans)} varied paths", "screwsim calibrate fits more figures"
         raise UsageError(f"--for: {less} (vary as many paths as there are goals; {remedy})")
     return Question(spans, wanted, sizes)
-
-
-def _count(goals: Sequence[Goal]) -> str:
-    return f"{len(goals)} goal{'s' * (len(goals) != 1)}"
 
 
 def _goals(scene: Varied, goals: GoalsArgument) -> tuple[Goal, ...]:

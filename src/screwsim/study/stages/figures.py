@@ -33,6 +33,8 @@ from screwsim.study.stages.result import (
 if TYPE_CHECKING:
     from screwsim.study.stages.chain import StageChain
 
+OF_FREE_AIR = FREE_AIR, "package_specific_power"  # which the second stage alone has not
+NO_FREE_AIR = "free air is what the first stage draws in, and this figure is that of both stages together"
 NO_INPUT_POWER = "the input power of both stages is not positive"
 SEPARATOR_FIGURES = ("separator_temperature", "oil_cooler_duty")  # figures of each stage's separator
 
@@ -172,6 +174,19 @@ def _cooler_figures(pair: StagePair) -> dict[str, float | None]:
     stages = zip(STAGE_NAMES, pair.scenes, (result.performance for result in pair.results), strict=True)
     oiled = [(which, p) for which, scene, p in stages if scene.oil_supply is not None]
     return {f"{which}_{name}": p.get(name) for name in SEPARATOR_FIGURES for which, p in oiled}
+
+
+def without_free_air(second: Result) -> Result:
+    """Return a second stage's result without figures of free air: what it draws in has been compressed before."""
+    none = {name: None for name in OF_FREE_AIR if name in second.performance}
+    if not none:
+        return second
+    performance, error = second.performance.copy(), second.error.copy()
+    performance.update(none)
+    error.update({name: None for name in none if name in error})
+    return replace(
+        second, performance=performance, error=error, notes={**second.notes, **dict.fromkeys(none, NO_FREE_AIR)}
+    )
 
 
 def _air_figures(pair: StagePair, density: float, ends: tuple[float, float]) -> FiguresAndReasons:

@@ -24,7 +24,13 @@ from screwsim.scene.types import ActiveEffect, parameters_of_type
 from screwsim.simulate import simulate_next
 from screwsim.study.asked.varied import with_text
 from screwsim.study.stages.axes import SOLVED, STAGE_NAMES, UNLOADED_STAGE
-from screwsim.study.stages.figures import ChainEnds, StagePair, chain_figures, delivery_temperature
+from screwsim.study.stages.figures import (
+    ChainEnds,
+    StagePair,
+    chain_figures,
+    delivery_temperature,
+    without_free_air,
+)
 from screwsim.study.stages.result import ChainResult, chain_errors, delivery_temperature_figure, idle_cooler
 
 if TYPE_CHECKING:
@@ -329,4 +335,5 @@ def _run(chain: StageChain, series: Mapping[str, Series]) -> ChainResult:
         status, message = "not_closed", f"the flows of the two stages differ by {found.flow_mismatch:.2g} (relative)"
     error, warnings = solving.errors(pair)
     warnings = (*idle_cooler(chain.intercooler, pair.T), *(warnings or inaccurate(bound, error)))
-    return ChainResult(status, message, pair.results, pair.scenes, found, notes, error, warnings)
+    stages = pair.results[0], without_free_air(pair.results[1])
+    return ChainResult(status, message, stages, pair.scenes, found, notes, error, warnings)

@@ -5,12 +5,13 @@ result names the method used for each number.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from screwsim.derivatives.collocation import FINE, QUICK
 from screwsim.derivatives.solving import scene_derivatives
 from screwsim.figures import declared
+from screwsim.figures.errors import error_in_unit, error_scale, zeros_for_none
 from screwsim.inputs.declare import is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
@@ -27,12 +28,17 @@ from screwsim.study.asked.varied import Varied
 from screwsim.study.pool.progress import Progress, progress_of
 from screwsim.study.pool.solving import results_at
 
+WHOLE = "shaft_power", "gas_mass_flow"
 DIFFERENCE_STEP = 5e-3  # relative step of a number for differences of closed cycles ...
 # ... at most, for an angle: half a percent of a port's opening angle is three degrees ...
 LARGEST_ANGLE_STEP = math.radians(0.5)
 # ... [K] that of a temperature, half a percent of which is 1.5 K, and of a difference of two, which may be small ...
 TEMPERATURE_STEP = 0.25
 DIFFERENCE_ACCURACY = 1e-6  # ... accuracy of these cycles, unless the scene's is finer
+NOTHING = 2.0  # of its estimated errors: a figure below is nothing, as the heat of insulated walls
+# of the scale of its error, by the whole number: changes of such a figure below are digits of rounding; of exact
+# derivatives (those of insulated walls reach 4e-8), or as a share of the change of power or flow; and of differences
+ROUNDING, ROUNDING_SHARE, ROUGHNESS = 1e-7, 1e-6, DIFFERENCE_ACCURACY / DIFFERENCE_STEP
 # [SI], by its kind, 1 for others: size that the step of a number that is zero is relative to
 ZERO_SIZES = {"length": 0.02, "area": 2e-4, "volume": 2e-4, "pressure_difference": 2e4, "power": 200.0}
 EXCLUDED_SECTIONS = ("numerics.", "output.")  # sections whose numbers do not describe the machine
@@ -126,6 +132,7 @@ def scene_sensitivities(
     why = {path: exact.why or exact.refused[path] for path in values if path not in exact.derivatives}
     differences, failed = _differences(scene, {path: values[path] for path in why}, jobs, progress)
     by_path, leaves = {**exact.derivatives, **differences}, leaves_of(scene)
+    by_path = _without_rounding(result, {path: size_of(leaves[path], values[path]) for path in by_path}, by_path, why)
     found = [path for path in values if path in by_path]
     figures_with_scale = _differentiable(result, names)
     return Sensitivities(
@@ -139,6 +146,34 @@ def scene_sensitivities(
         why={path: why[path] for path in found if path in why},
         left_out=({} if paths else left_out) | failed,
     )
+
+
+def _without_rounding(
+    result: Result,
+    sizes: Mapping[str, float],
+    slopes: Mapping[str, Mapping[str, float]],
+    differences: Container[str],
+) -> dict[str, dict[str, float]]:
+    """Return derivatives by path with zeros for those of figures that are nothing but rounding; `sizes` of the numbers.
+
+    `differences` are the paths whose derivatives are differences of cycles.
+    """
+    figures = result.performance
+    known = zeros_for_none(figures)
+    scales = {name: error_scale(name, declared(name, figures).scale, known) for name in _differentiable(result, ())}
+    errors = {name: error_in_unit(name, figures, result.error) for name in scales}
+    near = [name for name, error in errors.items() if error is not None and abs(figures[name]) <= NOTHING * error]
+    cleaned = {path: dict(by) for path, by in slopes.items()}
+    for path, by in cleaned.items():
+        change = {
+            name: abs(by[name]) * sizes[path] / scales[name]
+            for name in (*near, *WHOLE)
+            if scales.get(name) and name in by
+        }
+        share = ROUNDING_SHARE * max((change[name] for name in WHOLE if name in change), default=0.0)
+        least = ROUGHNESS if path in differences else max(ROUNDING, share)
+        by.update({name: 0.0 for name in near if change.get(name, math.inf) < least})
+    return cleaned
 
 
 def _differentiable(result: Result, names: Sequence[str]) -> list[str]:

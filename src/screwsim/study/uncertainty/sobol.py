@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import counted
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.scene.grid import too_many
 from screwsim.study.asked.figures import figure_of
@@ -94,7 +95,7 @@ def check_samples(inputs: int, samples: int) -> None:
 
 def cost_in_words(inputs: int, samples: int) -> str:
     """Return in a line how many solutions a study takes, and the effect of fewer or more samples."""
-    count, many = samples * (inputs + 2), f"{inputs} input{'s' * (inputs > 1)}"
+    count, many = samples * (inputs + 2), counted(inputs, "input")
     told = f"{count} solutions, {samples} samples × ({many} + 2)"
     if inputs == 1:
         return f"{told}; a single input causes all of the variance, so only mean and deviation are informative"

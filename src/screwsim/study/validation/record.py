@@ -136,9 +136,9 @@ def equal(
     return Row(quantity, float(ours), float(theirs), kind, verdict, unit, uncertainty, basis, note)
 
 
-def trend(quantity: str, ours: str, theirs: str, holds: bool, *, note: str = "", kind: str = "published") -> Row:
-    """Return the row of a statement in words: a sign, an order, a saturation."""
-    return Row(quantity, ours, theirs, kind, "holds" if holds else "fails", note=note)
+def trend(quantity: str, ours: str, theirs: str, holds: bool, *, note: str = "") -> Row:
+    """Return the row of a published statement in words: a sign, an order, a saturation."""
+    return Row(quantity, ours, theirs, "published", "holds" if holds else "fails", note=note)
 
 
 def value_text(value: float | str | None, digits: int = 4) -> str:
