@@ -90,6 +90,15 @@ def test_the_essentials_name_every_change_of_the_command_line(capsys):
     assert f"a title {', '.join(changed)} status: ok" in shown
 
 
+def test_the_essentials_of_a_package_have_its_outlet_absolute_and_gauge(capsys):
+    hot = {"mixture_discharge_temperature": 353.15, "discharge_temperature": 350.0, "pressure_ratio": 8.0}
+    figures = Figures(free_air_delivered=0.2, package_discharge_pressure=7.5e5, **hot)
+    print_short("a title", Result("ok", performance=figures), ambient=1e5)
+    shown = capsys.readouterr().out
+    assert " 7.5 " in shown and "bar (6.5 bar(g))" in shown and "pressure ratio" not in shown
+    assert shown.index("mixture discharge temperature") < shown.index("discharge temperature, gas alone")
+
+
 FEW = Figures(shaft_power=1e3, displacement=2112e-6, cop=None)
 
 

@@ -113,7 +113,7 @@ def _print_point(scene: Scene, result: Result, changed: Sequence[str], short: bo
     if short:
         from screwsim.printing.short import print_short
 
-        print_short(scene.title, result, changed)
+        print_short(scene.title, result, changed, scene.operation.ambient_pressure)
         return
     from screwsim.printing import print_result
     from screwsim.scene.plausible import idle_figures, left_out_lines

@@ -41,6 +41,7 @@ from screwsim.scene.sizes import size_warnings
 from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
 
+MILLIKELVIN = 1e-3  # [K]
 ASK_IF_MEANT = "is that intended?"
 # share of the largest volume that a table's smallest may have: the displacement is off by as much
 LEAST_VOLUME_SHARE = 1e-3
@@ -260,7 +261,7 @@ def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
     p = max(at.p_s, at.p_d)
     with suppress(UsageError):  # above the critical pressure
         T = constants.saturation_temperature(scene.gas.name, p)
-        if supply.temperature < T:
+        if supply.temperature < T - MILLIKELVIN:  # a dew point that a scene states may be off by rounding
             cold, warm = map(in_celsius, (supply.temperature, T))
             what = f"{scene.gas.name} condenses on it at the {line} pressure, {1e-5 * p:.4g} bar, below {warm}"
             yield "oil_supply.temperature", f"the oil enters at {cold}; {what} (use warmer oil)"
