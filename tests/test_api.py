@@ -226,6 +226,7 @@ def test_importing_the_package_imports_nothing_else():
 
 def test_public_names_are_there_and_typed():
     assert all(getattr(screwsim, name) is not None for name in screwsim.__all__)
+    assert sorted(dir(screwsim)) == sorted(screwsim.__all__)
     assert (Path(screwsim.__file__).parent / "py.typed").exists()
 
 

@@ -114,8 +114,8 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    """Return the public names together with the names imported so far."""
-    return sorted({*globals(), *__all__})
+    """Return the public names."""
+    return list(__all__)
 
 
 class _Package(ModuleType):

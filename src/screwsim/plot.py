@@ -13,7 +13,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from functools import partial
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -41,7 +40,7 @@ __all__ = [
     "write",
 ]
 
-NONE: Mapping[str, Any] = MappingProxyType({})
+_HIDDEN = "_cycle "  # before the name of a cycle that no legend tells yet: matplotlib leaves out such labels
 CycleLike = Result | Results | str | os.PathLike[str]
 
 
@@ -49,7 +48,7 @@ def pressure_volume(result: CycleLike, ax: Any = None, **line: Any) -> Any:
     """Draw the pressure–volume loop with the pressures of both lines and marks; return the axes.
 
     `line` are properties of the loop's line (color, linestyle, label, …), to tell several in the same axes apart. A
-    label gives the axes a legend.
+    label gives the axes a legend, and so does a second loop; one without a label is called as its file.
     """
     return _drawn(cycle.draw_loop, result, ax, line)
 
@@ -64,7 +63,7 @@ def pressure(result: CycleLike, ax: Any = None, **line: Any) -> Any:
 
 def temperatures(result: CycleLike, ax: Any = None) -> Any:
     """Draw the temperatures of gas and oil over the angle; return the axes."""
-    return _drawn(cycle.draw_temperatures, result, ax)
+    return _drawn(cycle.draw_temperatures, result, ax, None)
 
 
 def temperature_entropy(result: CycleLike, ax: Any = None, *, scene: Any = None, **line: Any) -> Any:
@@ -80,8 +79,11 @@ def temperature_entropy(result: CycleLike, ax: Any = None, *, scene: Any = None,
 
 
 def mass_flows(result: CycleLike, ax: Any = None) -> Any:
-    """Draw the mass flow of every path over the angle, both sides of a gap together; return the axes."""
-    return _drawn(cycle.draw_flows, result, ax)
+    """Draw the mass flow of every path that has any over the angle, both sides of a gap together; return the axes.
+
+    Leaks that would be lines at zero beside a port's flow are drawn on an axis that is logarithmic beyond the smallest.
+    """
+    return _drawn(cycle.draw_flows, result, ax, None)
 
 
 @checked_arguments()
@@ -100,7 +102,7 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
     if not drawn:
         raise UsageError(f"{found.path}: has no curve of {name} (fewer than two cases have a value)")
     axes = _axes(ax)
-    sweeps.draw_curves(axes, drawn, optima="efficiency" in name)
+    sweeps.draw_curves(axes, drawn, optima="efficiency" in name and family.chosen)
     label = shown_axis(family.x_axis).label
     sweeps.label_axes(axes, label, shown_figure(found, name).label, [curve.x for curve in drawn])
     if family.by is not None:
@@ -132,7 +134,8 @@ def contours(results: Results | str | os.PathLike[str], figure: str | None = Non
     return axes
 
 
-def _drawn(draw: Callable[[Any, Trace], None], result: CycleLike, ax: Any, line: Mapping[str, Any] = NONE) -> Any:
+def _drawn(draw: Callable[[Any, Trace], None], result: CycleLike, ax: Any, line: Mapping[str, Any] | None) -> Any:
+    """Draw a cycle and return the axes; `line` are the properties of its line, None where there are several."""
     trace = _trace(result)
     if line:
         from matplotlib.lines import Line2D
@@ -141,10 +144,25 @@ def _drawn(draw: Callable[[Any, Trace], None], result: CycleLike, ax: Any, line:
     axes = _axes(ax)
     before = len(axes.get_lines())
     draw(axes, trace)
-    axes.get_lines()[before].set(**line)
-    if not str(line.get("label") or "_").startswith("_"):  # such labels matplotlib leaves out
-        axes.legend()
+    if line is not None:
+        axes.get_lines()[before].set(**{"label": _HIDDEN + _name(result), **line})
+        _name_cycles(axes, asked=not str(line.get("label") or "_").startswith("_"))
     return axes
+
+
+def _name_cycles(axes: Any, asked: bool) -> None:
+    """Give axes a legend where one is asked for, or there already, or two cycles are to be told apart."""
+    unnamed = [each for each in axes.get_lines() if each.get_label().startswith(_HIDDEN)]
+    if not (asked or len(unnamed) > 1 or (unnamed and axes.get_legend())):
+        return
+    for number, each in enumerate(unnamed, 1):
+        each.set_label(each.get_label().removeprefix(_HIDDEN) or f"cycle {number}")
+    axes.legend()
+
+
+def _name(result: CycleLike) -> str:
+    """Return the name of the file of results; empty for a result in memory."""
+    return "" if isinstance(result, Result) else _results(result).path.stem
 
 
 def _axes(ax: Any) -> Any:

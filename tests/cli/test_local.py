@@ -37,6 +37,19 @@ def test_local_sensitivities_are_shown_in_percent_and_in_words(folder, command):
     assert max(map(len, answer.out.splitlines())) <= 80
 
 
+def test_of_temperatures_the_change_by_a_kelvin_is_shown_as_their_zero_is_a_convention(folder, command):
+    asked = ("--local", "operation.suction.temperature", "operation.speed", "--figure", "gas_mass_flow")
+    document = json.loads(command("sensitivity", "oiled.yaml", *asked, "--json").out)
+    by, flow = document["derivatives"]["gas_mass_flow"], document["performance"]["gas_mass_flow"]
+    lines = map(str.split, command("sensitivity", "oiled.yaml", *asked).out.splitlines())
+    shown = {line[0]: line for line in lines if line}
+    *_, kelvin = shown["operation.suction.temperature"]
+    *_, percent = shown["operation.speed"]
+    assert shown["operation.suction.temperature"][-3:-1] == ["1", "K"]
+    assert float(kelvin) == pytest.approx(100.0 * by["operation.suction.temperature"] / flow, rel=5e-3)
+    assert float(percent) == pytest.approx(document["relative"]["gas_mass_flow"]["operation.speed"], rel=5e-3)
+
+
 def test_local_sensitivities_are_written_a_row_a_figure_and_number(folder, command):
     asked = ("--local", "operation.speed", "--figure", "shaft_power", "-o", "s.csv")
     assert command("sensitivity", "oiled.yaml", *asked).code == 0

@@ -13,6 +13,8 @@ from screwsim.printing.short import print_short
 from screwsim.printing.stages import print_stages
 from screwsim.printing.tables import column_heads, plain_table
 from screwsim.report.ledger import waterfall_bars
+from screwsim.scene import load
+from screwsim.scene.plausible import idle_figures
 from screwsim.study.stages import ChainResult
 
 
@@ -79,6 +81,22 @@ def test_the_essentials_of_a_heat_pump_have_both_coefficients(capsys):
     print_short("a title", Result("ok", performance=electrical))
     shown = capsys.readouterr().out
     assert "electrical heating COP" in shown and "\nheating COP" not in shown
+
+
+def test_the_essentials_name_every_change_of_the_command_line(capsys):
+    changed = ["with gas.fluid=R410A", *(f"with operation.{side}_temperature=35 degC" for side in ("a", "b", "c"))]
+    print_short("a title", Result("ok"), changed)
+    shown = " ".join(capsys.readouterr().out.split())
+    assert f"a title {', '.join(changed)} status: ok" in shown
+
+
+def test_the_essentials_of_a_package_have_its_outlet_absolute_and_gauge(capsys):
+    hot = {"mixture_discharge_temperature": 353.15, "discharge_temperature": 350.0, "pressure_ratio": 8.0}
+    figures = Figures(free_air_delivered=0.2, package_discharge_pressure=7.5e5, **hot)
+    print_short("a title", Result("ok", performance=figures), ambient=1e5)
+    shown = capsys.readouterr().out
+    assert " 7.5 " in shown and "bar (6.5 bar(g))" in shown and "pressure ratio" not in shown
+    assert shown.index("mixture discharge temperature") < shown.index("discharge temperature, gas alone")
 
 
 FEW = Figures(shaft_power=1e3, displacement=2112e-6, cop=None)
@@ -193,3 +211,36 @@ def test_one_of_a_count_is_said_as_one():
 )
 def test_columns_of_paths_have_different_heads(paths, heads):
     assert column_heads(paths) == heads
+
+
+def test_the_cop_of_catalogues_comes_first_and_that_of_the_shaft_is_called_so(capsys):
+    both = Figures(cop=4.37, heating_cop=5.46, electrical_cop=4.03, electrical_heating_cop=5.03)
+    lines = printed(Result("ok", performance=both), capsys)
+    names = [line.rsplit(maxsplit=1)[0].strip() for line in lines if "COP" in line and ":" not in line]
+    assert names == ["electrical COP", "COP, shaft power", "electrical heating COP", "heating COP, shaft power"]
+    assert any(line.startswith("heating COP, shaft power: the capacity has heat that is not in") for line in lines)
+    shaft = "\n".join(printed(Result("ok", performance=Figures(cop=4.37, heating_cop=5.37)), capsys))
+    assert "\nCOP " in shaft and "shaft power" not in shaft
+
+
+def test_the_duty_of_a_cooler_that_a_scene_lacks_is_left_out(capsys):
+    duty = Result("ok", performance=Figures(FEW, oil_cooler_duty=0.0))
+    for override, shown in (("null", False), ("{discharge_temperature: 60 degC}", True)):
+        scene = load("configs/r134a/separator.yaml", [f"effects.separator.cooler={override}"])
+        print_result("a title", duty, idle=idle_figures(scene))
+        assert ("oil cooler duty" in capsys.readouterr().out) == shown
+
+
+def test_effects_without_which_there_is_no_solution_are_told_in_one_line(capsys):
+    no = {"message": "7:3: needs what is left out", **dict.fromkeys(KNOCK_OUT)}
+    there = dict.fromkeys(KNOCK_OUT, 1.0)
+    costs = (
+        {**no, "effect": "suction_port", "status": "failed"},
+        {**no, "effect": "droplets", "status": "needed"},
+        {**no, "effect": "separator", "status": "needed"},
+        {**there, "effect": "motor", "status": "ok", "message": "a doubt"},
+    )
+    out = printed(Result("ok", performance=Figures(shaft_power=1e3), knock_out=costs), capsys)
+    told = "no solution without suction_port (failed); droplets, separator (needed): run with --without NAME says why"
+    assert told in " ".join(" ".join(out).split()) and "without motor: a doubt" in out
+    assert "needs what is left out" not in "\n".join(out)

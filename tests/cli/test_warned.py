@@ -145,3 +145,15 @@ def test_a_map_tells_what_the_points_of_its_sweep_warn_of(tmp_path, capsys):
     capsys.readouterr()
     exit_code(["map", str(tmp_path / "map.h5")])
     assert f"warning in 16 points of the sweep: {TOLD}" in words(capsys.readouterr().out)
+
+
+def test_new_warns_of_a_pressure_ratio_that_no_machine_has_when_it_writes_the_scene(tmp_path, capsys):
+    told = "warning: operation.condensing_temperature: the pressure ratio of a single machine is 57.11"
+    asked = ["new", "refrigeration", "--condition", "-50/60 degC"]
+    assert exit_code([*asked, "-o", str(tmp_path / "x.yaml")]) == 0
+    assert told in words(capsys.readouterr().out)
+    assert exit_code(asked) == 0
+    shown = capsys.readouterr()
+    assert told in words(shown.err) and told not in words(shown.out)
+    assert exit_code(["new", "refrigeration", "-o", str(tmp_path / "usual.yaml")]) == 0
+    assert "warning" not in capsys.readouterr().out

@@ -217,3 +217,18 @@ def test_a_small_motor_of_the_default_efficiency_is_told(rated, told):
     assert not told or (told in warnings[0] and "write effects.motor.efficiency_class: IE3" in warnings[0])
     stated = motor.build(motor.Parameters(rated_power=rated, efficiency=0.95), SimpleNamespace())[0]
     assert stated.judge(SimpleNamespace(shaft_power=rated, motor_power=None, omega=SPEED)) == ("", ())
+
+
+@pytest.mark.parametrize(
+    ("share", "told"),
+    [
+        (1.0, ""),
+        (1.004, ""),  # to a percent
+        (1.07, "above its rating, within a service factor of 1.15 (NEMA MG 1)"),
+        (1.16, "above its rating and a service factor of 1.15 (NEMA MG 1)"),
+    ],
+)
+def test_a_load_above_the_rating_is_told_and_above_the_service_factor_warned_of(share, told):
+    assert motor.beyond_rating(share) == told
+    warned = any("service factor of 1.15 (NEMA MG 1)" in text for text in judged(share * RATED, SPEED)[1])
+    assert warned == (share > 1.15)

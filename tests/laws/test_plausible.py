@@ -1,10 +1,12 @@
 """A result that closes on what no machine does says so: figures, ways of the gas, loads of the motor."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from scenes import DROP, make, run
 
+from screwsim.evaluate.plausible import _apart
 from screwsim.fluid.oils import OILS
 from screwsim.scene import load
 from screwsim.scene.plausible import scene_warnings
@@ -131,3 +133,15 @@ def test_oil_on_which_a_real_gas_condenses_is_told_at_the_front():
     assert not scene_warnings(load(PLAIN))
     dry = load(PLAIN, ("oil_supply.temperature=300 K",), without=("oil_heat",))
     assert not scene_warnings(dry)  # they exchange no heat
+
+
+def test_gas_that_leaves_more_than_30_kelvin_above_its_mixture_with_the_oil_is_told():
+    """Ammonia on cold oil left at 178 °C beside a mixture of 75 °C, with no word on it."""
+
+    def words(gas, mixture, expands=False):
+        found = {"discharge_temperature": gas, "mixture_discharge_temperature": mixture}
+        doubts = [doubt for ask in (_apart,) for doubt in ask(SimpleNamespace(found=found, expands=expands))]
+        return "".join(doubt.words for doubt in doubts)
+
+    assert "451 degC" not in words(451.0, 348.0) and "30 K apart" in words(451.0, 348.0)
+    assert words(378.0, 348.0) == words(451.0, None) == words(451.0, 348.0, expands=True) == ""

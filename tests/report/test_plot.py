@@ -2,6 +2,7 @@
 
 import math
 import re
+from dataclasses import replace
 
 import matplotlib
 import numpy as np
@@ -14,9 +15,10 @@ import screwsim
 from screwsim import load, plot, simulate
 from screwsim.build import build_parts
 from screwsim.outputs import Result
+from screwsim.report import cycle
 from screwsim.report import plot as draw_figures
 from screwsim.report.overlay import draw_overlay
-from screwsim.report.trace import chosen_trace
+from screwsim.report.trace import chosen_trace, trace_of
 from screwsim.results import save
 from screwsim.scene import loads
 from screwsim.study.sweep import run_sweep
@@ -64,6 +66,20 @@ def test_two_loops_in_the_same_axes_are_told_apart(closed, axes):
         assert [text.get_text() for text in legend(axes)[0]] == ["A", "B"]
 
 
+def test_two_loops_of_which_one_has_no_label_are_both_named(closed, axes):
+    plot.pv(closed, ax=axes)
+    assert axes.get_legend() is None
+    plot.pv(closed, ax=axes, label="B")
+    assert [text.get_text() for text in legend(axes)[0]] == ["cycle 1", "B"]
+
+
+def test_loops_of_files_have_their_names(closed, axes, tmp_path):
+    for name in ("one", "other"):
+        save(tmp_path / f"{name}.h5", load("configs/paper/point.yaml"), closed)
+        plot.pv(tmp_path / f"{name}.h5", ax=axes)
+    assert [text.get_text() for text in legend(axes)[0]] == ["one", "other"]
+
+
 def test_lines_that_two_loops_share_are_named_once(axes):
     result = simulate(load("configs/paper/point.yaml", ["numerics.accuracy=1e-2", "numerics.error=none"]), trace=True)
     plot.pv(result, ax=axes, label="A")
@@ -97,6 +113,23 @@ def test_both_sides_of_a_gap_are_told_apart(closed, axes):
     plot.mass_flows(closed, ax=axes)
     words = [text.get_text() for text in axes.get_legend().get_texts()]
     assert words == ["suction port", "discharge port", "tip leakage, leading", "tip leakage, trailing"]
+
+
+def test_a_path_without_flow_is_left_out_and_named(closed, axes):
+    still = {f"mass_flow_slide_valve_{side}": np.zeros_like(closed.cycle["angle"]) for side in ("leading", "trailing")}
+    result = replace(closed, cycle={**closed.cycle, **still})
+    plot.mass_flows(result, ax=axes)
+    assert not [text for text in legend(axes)[0] if "slide valve" in text.get_text()]
+    figure = cycle._flows(trace_of(result))
+    assert "no flow: slide valve" in figure.get_suptitle()
+    assert [each.get_title(loc="left") for each in figure.axes] == ["suction port", "discharge port", "tip leakage"]
+
+
+def test_a_leak_is_seen_beside_a_port_of_much_larger_flow(closed, axes):
+    plot.mass_flows(closed, ax=axes)
+    (leak,) = (line for line in axes.get_lines() if line.get_label() == "tip leakage, leading")
+    top = axes.transAxes.inverted().transform(axes.transData.transform(leak.get_xydata()))[:, 1]
+    assert np.ptp(top) > 0.1, "of the axes' height; the leak is a hundredth of the port's flow"
 
 
 def test_a_sweep_is_a_curve_a_speed(swept, axes):

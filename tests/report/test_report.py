@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 from report_fakes import (
     BEST_RATIO,
     LEDGER,
@@ -295,6 +296,26 @@ def test_every_optimum_lies_on_a_drawn_line(tmp_path):
     for circle in circles:
         (at,) = axes.transData.transform(circle.get_xydata())
         assert min(_distance(at, curve) for curve in curves if len(curve) > 1) < 0.5, "pixel"
+
+
+@each_row(
+    ("path", "values", "circles"),
+    [
+        ("oil_supply.ratio", "[1, 1.7, 3]", 1),
+        ("operation.speed", "[1000 rpm, 2000 rpm, 3000 rpm]", 1),
+        ("operation.discharge.pressure", "[10 bar, 12 bar, 14 bar]", 0),
+        ("operation.suction.temperature", "[10 degC, 20 degC, 30 degC]", 0),
+    ],
+)
+def test_optima_are_marked_over_what_one_chooses_never_over_operating_conditions(path, values, circles, tmp_path):
+    numbers = iter([0.5, 0.6, 0.55])
+
+    def peaked(scene):
+        return Result("ok", performance=Figures(isothermal_efficiency=next(numbers)))
+
+    swept = SCENE + f"sweep: {{{path}: {values}}}\n"
+    axes = drawn(file(tmp_path / "x.h5", swept, peaked), only="efficiency")["efficiency"].axes[0]
+    assert len([line for line in axes.lines if line.get_marker() == "o"]) == circles
 
 
 def _distance(point, curve) -> float:

@@ -4,6 +4,7 @@ import math
 import pickle
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
@@ -106,8 +107,8 @@ def test_a_base_that_is_not_there_is_one_line(example):
     with pytest.raises(SceneError) as error:
         loads(example.replace("title: example", "base: nix.yaml"), "x.yaml")
     assert error.value.lines == [
-        "x.yaml:1:7: base: 'nix.yaml' cannot be read: No such file or directory "
-        "(name an existing scene file, saved as UTF-8)"
+        "x.yaml:1:7: base: 'nix.yaml' does not exist "
+        f"(name a scene file as seen from the folder of this one, {Path.cwd()})"
     ]
 
 

@@ -1,6 +1,7 @@
 """Rules of faults: each is one line with file, line, column, path, what and the remedy; all come at once."""
 
 import time
+from pathlib import Path
 
 import pytest
 from each_row import each_row
@@ -243,8 +244,8 @@ NEWCOMERS = [
     (
         "title: example",
         "base: nix.yaml\nspeed: 3",
-        "x.yaml:1:7: base: 'nix.yaml' cannot be read: No such file or directory "
-        "(name an existing scene file, saved as UTF-8)",
+        "x.yaml:1:7: base: 'nix.yaml' does not exist "
+        f"(name a scene file as seen from the folder of this one, {Path.cwd()})",
     ),
     # ---- values ----
     (

@@ -70,6 +70,7 @@ def test_what_cannot_be_is_refused_at_its_path_with_a_remedy(override, what):
 
 
 HARDLY = {
+    "oil_supply.ratio=0": "0 kg of oil per kg of gas hardly lubricate rotors that drive each other (usual: at le",
     "oil_supply.temperature=200 K": "200 K is unusual (usual: at least 210 K)",
     "operation.speed=20000 rpm": "moves the rotors' tips at 167.6 m/s (usual with oil: at most 80 m/s)",
     "effects.tip_leakage.gap=1.1 mm": "1.1 mm is unusual (usual: at most 1 mm)",
@@ -138,6 +139,10 @@ def test_sizes_are_told_of_the_section_that_states_them_whatever_was_asked_befor
     both = replace(wide, machine=small.machine)
     for scene, paths in 2 * [(plain, []), (small, [machine]), (wide, [effects]), (both, [machine, effects])]:
         assert [line.partition(":")[0] for line in scene_warnings(scene)] == paths
+
+
+def test_the_oil_with_which_rotors_still_ran_on_each_other_is_warned_of_nothing():
+    assert scene_warnings(load(CONFIGS / "paper" / "point.yaml", overrides=["oil_supply.ratio=0.01"])) == ()
 
 
 @pytest.mark.parametrize("path", SCENES, ids=lambda path: str(path.relative_to(CONFIGS)))

@@ -20,7 +20,7 @@ from fit_fakes import (
 from scipy.optimize import lsq_linear
 
 from screwsim.inputs.faults import Interrupted
-from screwsim.printing.calibration import print_calibration
+from screwsim.printing.calibration import _changes, print_calibration
 from screwsim.scene import load
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.identifiability import certainty
@@ -271,7 +271,7 @@ def test_a_fit_says_that_condensing_temperatures_of_its_points_are_not_dew_point
     ("typos", "named"),
     [
         ({}, ""),
-        ({5: 90.0}, "(e5: shaft power "),
+        ({5: 90.0}, "1 of 20 numbers (e5: shaft power "),
         ({5: 90.0, 7: -60.0}, "(e5: shaft power "),
         (dict.fromkeys(range(0, 12, 2), 90.0), ""),  # many: not mistakes of the table
     ],
@@ -284,3 +284,19 @@ def test_the_few_numbers_that_make_up_most_of_the_misfit_are_named(typos, named,
     assert ("of chi squared comes from" in out) == bool(named)
     assert named in out
     assert ("in fewer than 1e-06 of all cases" in out) == bool(typos)
+
+
+def test_one_typing_error_among_few_numbers_is_named(tmp_path, capsys):
+    head = "name,operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]\n"
+    rows = [f"e{n},{500 * (n + 1)},{3.0 + n + 1.0 * (n == 2)},0.1\n" for n in range(6)]
+    print_calibration(calibrate(read_fit(write_fit(tmp_path, points=head + "".join(rows))), jobs=1, simulate=plane))
+    out = " ".join(capsys.readouterr().out.split())
+    assert "of chi squared comes from 1 of 6 numbers (e2: shaft power -" in out and "σ): check it;" in out
+
+
+def test_a_fit_says_by_how_much_it_changed_the_scene(fit):
+    found = calibrate(fit, jobs=1, simulate=plane)
+    gap, capacity = fit.scene.effects["tip_leakage"].parameters.gap, fit.scene.oil.heat_capacity
+    for told, value, start in zip(_changes(found), found.values.values(), (gap, capacity), strict=True):
+        assert told.endswith((f" {value / start - 1.0:+.1%}", f" × {value / start:.3g}"))
+        assert ("×" in told) == (not 0.5 < value / start < 2.0)

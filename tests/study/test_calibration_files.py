@@ -123,6 +123,11 @@ def test_points_with_semicolons_and_decimal_commas_are_those_with_commas_and_poi
             "speed [rmp]",
             "points.csv:2:10: operation.speed: unit 'rmp' is not a speed (write e.g. '3000 rpm')",
         ),
+        (
+            "operation.speed [rpm]",
+            "n",
+            "points.csv:2:10: n: is not known (write operation.speed [rpm], if that is what it is)",
+        ),
         ("name,use", "Punkt,use", "points.csv:2:1: Punkt: is not known (use name, use, a scene path or a figure)"),
         (
             ",",

@@ -10,7 +10,8 @@ from result_fakes import GRID, SCENE, fake_simulate
 
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures
-from screwsim.printing.compare import _rounded, _shown_pair, comparison_document, print_comparison
+from screwsim.printing.compare import _apart, _rounded, _shown_pair, comparison_document, print_comparison
+from screwsim.report.overlay import _names
 from screwsim.results import open_results, save
 from screwsim.scene import load, loads
 from screwsim.simulate import simulate
@@ -217,6 +218,14 @@ def test_two_runs_are_compared_whatever_their_scenes(tmp_path):
     assert found.scene["oil.viscosity"] == ("20 mPa s", None)
     assert found.scene["effects.blow_hole.area"] == (None, "0.05 cm^2")
     assert figure(found, "shaft_power").relative == pytest.approx(-1.0 / 3.0, rel=1e-12)
+
+
+def test_files_of_one_name_and_title_are_told_apart_by_their_paths_and_scenes(tmp_path):
+    for side in "ab":
+        (tmp_path / side).mkdir()
+    a, b = run(tmp_path / "a" / "x.h5"), run(tmp_path / "b" / "x.h5", ["operation.speed=2000 rpm"])
+    names = _names(a, b, _apart(compare(a, b).scene))
+    assert names == (f"{a.path}, speed 3000 rpm", f"{b.path}, speed 2000 rpm")
 
 
 def test_a_value_of_zero_has_the_unit_of_the_other_one(tmp_path, capsys):

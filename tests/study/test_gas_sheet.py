@@ -14,8 +14,8 @@ from screwsim.scene.operation import P_D, P_S
 from screwsim.study.asked.inputs import ends_of
 from screwsim.study.datasheet.air_rating import Point
 from screwsim.study.datasheet.gas_sheet import rating_request
+from screwsim.study.datasheet.machine_lines import machine_line, oil_line
 from screwsim.study.datasheet.rated import case_scene
-from screwsim.study.datasheet.tables import machine_line, oil_line
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.template import new_scene, request_of
 
@@ -130,7 +130,7 @@ def test_a_boosters_limits_part_load_and_best_point(boosted):
     marked = [cell.endswith("*") for row in power.rows for cell in row[1:]]
     assert any(marked) and not all(marked)
     (loads_,) = (table for table in sheet.tables if table.title.startswith("Part load"))
-    assert [row[1] for row in loads_.rows] == ["100", "75"] and loads_.heads[3] == "flow kg/h"
+    assert [row[1] for row in loads_.rows] == ["100*", "75\u00a0"] and loads_.heads[3] == "flow kg/h"
     assert float(loads_.rows[1][3]) == pytest.approx(0.75 * float(loads_.rows[0][3]), rel=5e-3)
     assert any(table.title == "Envelope: discharge pressure within all limits" for table in sheet.tables)
     assert "shaft power < 150 kW (--limit)" in dict(sheet.lines)["limits"]

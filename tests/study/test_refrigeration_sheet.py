@@ -18,7 +18,8 @@ from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
 from screwsim.simulate import simulate_many
 from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet import SheetOptions, sheet_of
-from screwsim.study.datasheet.bounds import envelope, limits_of
+from screwsim.study.datasheet.assumed import oil_viscosity
+from screwsim.study.datasheet.bounds import envelope, exceeded_bounds, limits_of
 from screwsim.study.datasheet.rated import rating
 from screwsim.study.datasheet.refrigeration_sheet import (
     convention_notes,
@@ -97,15 +98,61 @@ def test_a_first_stage_that_states_its_suction_pressure_has_the_superheat_that_i
 
 def test_the_tables_are_those_of_the_trade(sheet):
     titles = [table.title.split(" [")[0] for table in sheet.tables]
-    assert titles[:6] == [
+    assert titles[:8] == [
         "Cooling capacity",
         "Electrical power",
         "COP of the electrical power",
         "Mass flow",
-        "Discharge temperature",
+        "Discharge temperature, gas and oil mixed",
+        "Discharge temperature, the gas alone",
         "Oil cooler duty",
+        "Pressures of the lines, absolute",
     ]
-    assert sheet.ok and len(sheet.tables) == 8 and len(sheet.drawings) == 4
+    assert sheet.ok and len(sheet.tables) == 10 and len(sheet.drawings) == 4
+
+
+def test_the_pressures_of_the_lines_are_those_of_saturation(sheet):
+    (pressures,) = (table for table in sheet.tables if table.title.startswith("Pressures"))
+    assert pressures.heads == ("evaporating", "suction bar", "condensing", "discharge bar")
+    for row in pressures.rows:
+        for degrees, bar in filter(all, (row[:2], row[2:])):
+            p = PropsSI("P", "T", float(degrees.split()[0]) + 273.15, "Q", 1, "R134a")
+            assert float(bar) == pytest.approx(1e-5 * p, rel=6e-4)  # four digits
+    assert [row[:2] for row in pressures.rows][2:] == [["", ""]]  # of two evaporating temperatures
+
+
+def test_oil_colder_than_the_gas_condenses_is_outside_the_assumed_limits():
+    """The dew point at discharge is the gas's temperature less its superheat: here 310 K."""
+    limits = limits_of(screwsim.loads(new_scene("refrigeration", request_of(fluid="R717"))), ())
+    good = {"shaft_power": 0.0, "discharge_temperature": 355.0, "discharge_superheat": 45.0}
+    good |= {"mixture_discharge_temperature": 345.0, "oil_supply_temperature": 310.0}
+    assert exceeded_bounds(good, limits) == []
+    for figure, value, beyond in (
+        ("oil_supply_temperature", 309.0, ["oil_over_dew_point"]),
+        ("discharge_temperature", 376.0, ["gas_over_mixture", "oil_over_dew_point"]),
+        ("mixture_discharge_temperature", 383.2, ["mixture_discharge_temperature"]),
+        ("oil_supply_temperature", 420.0, ["oil_viscosity"]),
+        ("discharge_superheat", None, []),  # above the critical pressure nothing condenses
+    ):
+        assert [bound.figure for bound in exceeded_bounds(good | {figure: value}, limits)] == beyond
+    cold = good | {"oil_supply_temperature": 308.0}
+    warm = good | {"oil_supply_temperature": 312.0}
+    (reach,) = envelope({(0, 0): warm, (0, 1): cold}, ((1.0,), (30.0, 40.0)), limits)
+    assert reach.high == pytest.approx(35.0) and reach.above.figure == "oil_over_dew_point"
+
+
+def test_a_stated_limit_of_discharge_replaces_those_that_are_assumed_of_it():
+    scene = screwsim.loads(new_scene("refrigeration", request_of()))
+    stated = limits_of(scene, ["mixture_discharge_temperature<125 degC"])
+    assert [bound.figure for bound, at in stated.items() if at == "assumed"] == ["oil_over_dew_point", "oil_viscosity"]
+    dry = screwsim.loads(new_scene("reciprocating", request_of()))
+    assert "assumed" not in limits_of(dry, ()).values()
+
+
+def test_the_oil_of_a_viscosity_of_ten_square_millimetres_per_second_is_at_its_limit():
+    """ISO VG 46 mineral oil of 6.8 mm²/s at 100 °C has 10 between 80 and 90 °C."""
+    assert oil_viscosity("mineral_46", 353.15, {}) > 10e-6 > oil_viscosity("mineral_46", 363.15, {})
+    assert oil_viscosity("mineral_46", None, {"oil_supply_temperature": 373.15}) == pytest.approx(6.8e-6)
 
 
 def test_a_heat_pumps_sheet_has_what_its_condenser_gives_beside_the_rest(rated, sheet):
@@ -227,7 +274,7 @@ def test_limits_are_marked_and_warnings_reach_the_sheet(sheet):
     assert "beyond a limit" in power.note
     assert "discharge temperature < 72 °C (--limit)" in dict(sheet.lines)["limits"]
     alike = list(warning_lines([("a", ["3 K too warm", "odd"]), ("b", ["5 K too warm"]), ("c", ["3 K too warm"])]))
-    assert alike == ["a: 3 K too warm (the same at 2 more points)", "a: odd"]
+    assert alike == ["a: 3 K too warm (the same at b, c)", "a: odd"]
     assert list(warning_lines([("a", ["same"]), ("b", ["same"])])) == ["same"]
 
 
@@ -260,7 +307,11 @@ def test_its_document_is_in_si(sheet):
     assert (point["evaporating_temperature"], point["condensing_temperature"]) == pytest.approx((278.15, 323.15))
     assert point["cooling_capacity"] > 1e5 and "shaft_power" in point["beyond"]
     assert {each["control"] for each in found["part_load"]} == {"speed", "slide valve", "suction throttle", "bypass"}
-    assert [each["figure"] for each in found["limits"]] == ["discharge_temperature", "shaft_power"]
+    assert [each["figure"] for each in found["limits"]] == [
+        "discharge_temperature",
+        "shaft_power",
+        "oil_over_dew_point",
+    ]
 
 
 def test_a_machine_with_an_economizer_has_what_its_port_draws(tmp_path):

@@ -18,7 +18,7 @@ from screwsim.scene.plausible import leaks_in_words
 from screwsim.study.sizing import NEAR, SizedMachine, sized_machine, with_steady_port
 from screwsim.study.sizing import performance_lines as sized_told
 from screwsim.study.validation import sibling
-from screwsim.template import KINDS, expander, gas, new_scene, refrigeration, request_of, sizes
+from screwsim.template import KINDS, expander, gas, new_scene, note_on_pressure, refrigeration, request_of, sizes
 
 ROOT = Path(__file__).parents[2]
 templates = sibling(ROOT / "docs" / "tools" / "templates.py")
@@ -760,7 +760,8 @@ def test_a_motor_alone_is_loaded_in_full_and_what_hardly_fits_it_is_told(capsys)
     assert sized_machine("air", asked).result.performance.shaft_power == pytest.approx(45e3, rel=NEAR)
     asked = request_of(motor="22 kW", free_air="7.5 m^3/min")
     lines = list(sized_told(asked, sized_machine("air", asked)))
-    assert "(205 % of a motor of 22 kW)" in lines[0] or "(204 % of a motor of 22 kW)" in lines[0]
+    told = "% of a motor of 22 kW, above its rating and a service factor of 1.15 (NEMA MG 1))"
+    assert f"(205 {told}" in lines[0] or f"(204 {told}" in lines[0]
     assert lines[1].startswith("the motor carries more than data sheets show")
     assert lines[-1].startswith("warning: the motor's load is")
 
@@ -1000,3 +1001,17 @@ def test_a_cold_gas_without_transport_properties_has_those_of_warmer_r134a_or_no
 def test_a_cylinder_without_transport_properties_says_of_which_component_they_lack():
     text = new_scene("reciprocating", request_of(fluid="R466A"))
     assert "# No cylinder_heat: CoolProp has no viscosity of R13I1, a component of R466A." in text
+
+
+@pytest.mark.parametrize(
+    ("pressure", "told"),
+    [
+        ("7.5 bar", "--pressure 7.5 bar is absolute, 6.5 bar(g) (for that as a gauge pressure write '7.5 bar(g)')"),
+        ("7.5 bar(g)", ""),
+        ("7.5 barg", ""),
+        (None, ""),
+    ],
+)
+def test_an_absolute_pressure_of_a_package_is_told_with_its_gauge_pressure(pressure, told):
+    """Sheets of packages state gauge pressures: 7.5 bar made a machine of 6.5 bar over its inlet."""
+    assert note_on_pressure(pressure).removeprefix("note: ") == told

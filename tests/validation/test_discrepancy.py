@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 import screwsim
+from screwsim.outputs import Figures, Result
 from screwsim.scene.model_errors import range_text, stored_model_errors
 from screwsim.study.uncertainty.model_error import model_error
+from screwsim.study.uncertainty.point import with_uncertainty
 from screwsim.study.validation import ValidationPoint, compared, model_errors
 from screwsim.study.validation.discrepancy import interval
 from screwsim.study.validation.record import errors_report
@@ -109,6 +111,16 @@ def test_a_scene_is_told_the_error_of_the_validation_that_it_names_and_where_it_
         screwsim.load(ROOT / "configs/paper/point.yaml", ["uncertainty.model=cagi"]), {"pressure_ratio": 3.0}
     )
     assert [text.partition(" ")[0] for text in far["outside"]] == ["fluid", "speed", "pressure"]
+
+
+def test_a_scene_outside_the_validated_range_warns_as_of_anything_else():
+    result = Result("ok", performance=Figures(pressure_ratio=3.0), warnings=("another",))
+    scene = screwsim.load(ROOT / "configs/paper/point.yaml", ["uncertainty.model=cagi"])
+    another, told = with_uncertainty(scene, result).warnings
+    assert another == "another" and told.startswith("outside the validated range of cagi, so")
+    assert all(word in told for word in ("fluid", "speed", "pressure ratio"))
+    inside = screwsim.load(ROOT / "validation" / "bitzer" / "fitted" / "scene.yaml", ["uncertainty.model=bitzer"])
+    assert with_uncertainty(inside, result).warnings == ("another",)
 
 
 @pytest.mark.parametrize(

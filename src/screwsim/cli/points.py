@@ -113,12 +113,12 @@ def _print_point(scene: Scene, result: Result, changed: Sequence[str], short: bo
     if short:
         from screwsim.printing.short import print_short
 
-        print_short(scene.title, result, changed)
+        print_short(scene.title, result, changed, scene.operation.ambient_pressure)
         return
     from screwsim.printing import print_result
-    from screwsim.scene.plausible import left_out_lines
+    from screwsim.scene.plausible import idle_figures, left_out_lines
 
-    print_result(scene.title, result, left_out_lines(scene), changed)
+    print_result(scene.title, result, left_out_lines(scene), changed, idle_figures(scene))
     if result.uncertainty:
         from screwsim.printing.uncertain import print_uncertainty
 

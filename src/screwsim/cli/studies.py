@@ -222,7 +222,7 @@ def compare(
     found = compared(a, b, tolerance)
     options.print_document_or_text(as_json, comparison_document, print_comparison, a, b, found)
     if folder is not None:
-        options.print_files(write_comparison(a, b, folder), as_json)
+        options.print_files(write_comparison(a, b, found, folder), as_json)
     return OK
 
 

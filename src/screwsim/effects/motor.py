@@ -9,9 +9,9 @@ size (M450): a four-pole IE3 motor of 75 kW at 50 Hz has 0.950, which is the def
 Assumptions: without `inverter` the loss depends on the speed only through the power; it heats neither gas nor oil, or
 with `cooling: suction_gas` (semi-hermetic machines) it heats the gas on its way to the suction line (M275). An
 expander's generator loses the same at the same load. The ledger divides the shaft power, so it does not hold this loss.
-Above OVERLOAD times the rated power, or with an inverter the rated torque, there is a warning; above BREAKDOWN times a
-motor stalls (IEC 60034-12 asks for 1.6 to 2 times the rated torque, catalogues state up to 3.5), and the point has
-failed.
+Above SERVICE_FACTOR times the rated power, or with an inverter the rated torque, there is a warning; above BREAKDOWN
+times a motor stalls (IEC 60034-12 asks for 1.6 to 2 times the rated torque, catalogues state up to 3.5), and the point
+has failed.
 Parameters: rated_power, efficiency or efficiency_class with poles, constant_share or efficiency_file, cooling,
 drive_efficiency or inverter.
 """
@@ -53,7 +53,8 @@ BESIDE_CLASS = (
     "is given as well as efficiency_class (remove one of the two; a base's value is dropped by {1}: null, or --set "
     "{0}.{1}=null)"
 )
-OVERLOAD, BREAKDOWN = 1.25, 3.5  # times the rated power, or torque
+SERVICE_FACTOR = 1.15  # times the rated power that common motors carry for long: NEMA MG 1, service factor
+KNOWN_LOSS, BREAKDOWN = 1.25, 3.5  # times the rated power, or torque: range of M148, and what no motor carries
 TOO_GOOD = 0.015  # excess of the default efficiency over that of its class at the rated power, above which it is told
 SUCTION, STATED = "suction_gas", "stated"
 ON_ELECTRICAL = ("isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
@@ -157,6 +158,14 @@ def motor_loss(parameters: Parameters, load: float, loss: Loss) -> tuple[float, 
     return own, driven - load
 
 
+def beyond_rating(share: float) -> str:
+    """Return in words that a load, a share of the rated power, lies above it; empty where it does not, to a percent."""
+    if round(share, 2) <= 1.0:
+        return ""
+    place = ", within" if share <= SERVICE_FACTOR else " and"
+    return f"above its rating{place} a service factor of {SERVICE_FACTOR:g} (NEMA MG 1)"
+
+
 def losses_of(parameters: Parameters) -> Callable[[float, float], tuple[float, float]]:
     """Return the losses [W] of a motor, alone and with its inverter, as a function of its load [W] and speed [rad/s].
 
@@ -192,7 +201,7 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
             at = inverters.turning(drive, load, rated, figures.omega)
             share = max(share, at.torque)  # below rated speed the torque is more
             beyond = (*beyond, *inverters.told(at))
-        if share <= OVERLOAD:
+        if share <= SERVICE_FACTOR:
             return "", beyond
         what = f"the motor's load is {1e-3 * load:.4g} kW, {load / rated:.3g} times effects.motor.rated_power"
         if share > load / rated:
@@ -200,8 +209,9 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
         if share > BREAKDOWN:
             of = "power" if share == load / rated else "torque"
             return f"{what}: no motor carries more than {BREAKDOWN:g} times its rated {of} (choose a larger one)", ()
-        why = f"{what}: it would not last, and its losses are outside the range of M148 (choose a larger one)"
-        return "", (why, *beyond)
+        lost = ", and its losses are outside the range of M148" if share > KNOWN_LOSS else ""
+        why = f"{what}: it would not last above a service factor of {SERVICE_FACTOR:g} (NEMA MG 1){lost}"
+        return "", (f"{why} (choose a larger one)", *beyond)
 
     def read(figures) -> Given:
         """Return loss, electrical power and the figures that refer to it (M148, M149)."""

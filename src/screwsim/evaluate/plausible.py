@@ -22,6 +22,7 @@ DELIVERED = 1e-3  # volumetric efficiency above which a machine counts as one th
 ROUNDING = 1e-3  # tolerated excess of an efficiency above 1, besides its estimated error
 RAM_FILLING = 0.05  # overfilling of a chamber, relative to its volume, that gas in motion may cause
 LARGEST_LEAKAGE = 0.5  # of the displacement: leakage beyond the delivered flow above which gaps are implausible
+APART = 30.0  # [K] of the gas over its mixture with the oil; below 27 K in all scenes of configs/
 HOTTEST = 700.0  # [K], more than oil, seals and rotors endure
 LARGEST_PRESSURE = 20.0  # times the higher line's pressure
 NO_MACHINE = "so that it is impossible (check its effects)"
@@ -138,6 +139,14 @@ def _hot(checked: CheckedCycle) -> Iterator[Doubt]:
         yield Doubt(f"{words} (use more or cooler oil, or a lower pressure ratio)", "discharge_temperature")
 
 
+def _apart(checked: CheckedCycle) -> Iterator[Doubt]:
+    gas, mixture = (checked.found.get(name) for name in ("discharge_temperature", "mixture_discharge_temperature"))
+    if not (gas is None or mixture is None or gas - mixture <= APART or gas > HOTTEST or checked.expands):
+        words = f"the gas leaves at {in_celsius(gas)}, and mixed with its oil at {in_celsius(mixture)}"
+        why = f"more than {APART:g} K apart, so that the oil hardly cools the gas"
+        yield Doubt(f"{words}: {why} (use more oil, or warmer oil where gas condenses on it)")
+
+
 def _oil_known(checked: CheckedCycle) -> Iterator[Doubt]:
     oil = checked.scene.oil
     if oil is None or oil.name is None:
@@ -160,7 +169,7 @@ def _burst(checked: CheckedCycle) -> Iterator[Doubt]:
         yield Doubt(f"{what}, which no housing withstands (open the discharge port earlier or wider)", "peak_pressure")
 
 
-DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _oil_known, _burst)
+DOUBTS = (_isothermal, _isentropic, _volumetric, _driven, _carnot, _hot, _apart, _oil_known, _burst)
 
 
 def lines_met(parts: Parts) -> set[str]:

@@ -21,6 +21,7 @@ SCALES = {
     "rad": ((0.0, 180.0 / math.pi, "°"),),
     "rad s-1": ((0.0, 1.0 / RPM, "rpm"),),
     "Pa": ((0.0, 1e-5, "bar"),),
+    "Pa s": ((0.0, 1e3, "mPa s"),),
     "kg": ((0.1, 1.0, "kg"), (0.0, 1e3, "g")),
     "kg s-1": ((0.0, 1.0, "kg/s"),),
     "kg h-1": ((0.0, 3600.0, "kg/h"),),  # from kg s-1, for figures shown in this unit

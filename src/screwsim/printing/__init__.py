@@ -3,7 +3,7 @@
 import json
 import math
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +12,12 @@ from screwsim.figures.engineering import engineering, shown_name
 from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Result, sorted_entries, words_of_effects
 from screwsim.outputs.customary import engineering_temperature, scale, small_number_text, with_printed_units
+from screwsim.outputs.display import grouped
 from screwsim.printing.tables import WIDTH, absent_figures, print_table, print_text, print_wrapped
 from screwsim.screen import json_safe, printable, say
 
+COPS, ELECTRICAL = ("cop", "heating_cop"), "electrical_"
+MOTOR_HEAT = 1e-3  # by which a heating COP exceeds that of cooling plus one where the motor's heat is in it
 LEAST_SHOWN_LOSS = 5e-5  # of the shaft power: smaller losses would be shown as 0.00 %
 
 
@@ -45,11 +48,17 @@ def write_json(document: Any, path: Path) -> str:
     return write_text(path, json_safe(text) + "\n")
 
 
-def print_result(title: str, result: Result, left_out: Iterable[str] = (), changed: Sequence[str] = ()) -> None:
+def print_result(
+    title: str,
+    result: Result,
+    left_out: Iterable[str] = (),
+    changed: Sequence[str] = (),
+    idle: Collection[str] = (),
+) -> None:
     """Print a result: warnings, the table of figures and the ledger, then notes, balances and numerics.
 
     `left_out` has lines on what its scene does not simulate; `changed` lists the changes by the command line to the
-    scene named in the title.
+    scene named in the title; `idle` figures are left out where they are zero.
     """
     from rich.console import Console
 
@@ -65,7 +74,7 @@ def print_result(title: str, result: Result, left_out: Iterable[str] = (), chang
     print_wrapped(f"warning: {warning}" for warning in result.warnings)
     if result.performance:
         say()
-        console.print(_table(result))
+        console.print(_table(result, idle))
     if result.ledger:
         say()
         console.print(_ledger(result.ledger))
@@ -95,16 +104,30 @@ def _status_line(result: Result) -> str:
     return f"{result.status}{warned}{back}" + (f"; {result.message}" if result.message else "")
 
 
-def _table(result: Result) -> Any:
+def _table(result: Result, idle: Collection[str]) -> Any:
     table = _right_table("figure", "value")
     table.add_column("unit", no_wrap=True)
     if result.error:
         table.add_column("error", justify="right", no_wrap=True)
-    for name, value in result.performance.items():
-        if value is not None:
+    for name in _in_order(result.performance):
+        value = result.performance[name]
+        if value is not None and (value or name not in idle):
             error = [small_number_text(result.error.get(name))] if result.error else []
-            table.add_row(shown_name(name), *engineering(declared(name, result.performance), value), *error)
+            words = f"{shown_name(name)}, shaft power" if _beside_electrical(result, name) else shown_name(name)
+            table.add_row(words, *engineering(declared(name, result.performance), value), *error)
     return table
+
+
+def _beside_electrical(result: Result, name: str) -> bool:
+    """Whether a figure is a COP of the shaft power beside that of the electrical power, which catalogues state."""
+    return name in COPS and result.performance.get(ELECTRICAL + name) is not None
+
+
+def _in_order(figures: Mapping[str, Any]) -> list[str]:
+    """Return the names of figures, each COP of the electrical power before that of the shaft power."""
+    electrical = {name: ELECTRICAL + name for name in COPS if name in figures and ELECTRICAL + name in figures}
+    others = (name for name in figures if name not in electrical.values())
+    return [each for name in others for each in ((electrical[name], name) if name in electrical else (name,))]
 
 
 def _ledger(ledger: Mapping[str, Any]) -> Any:
@@ -172,13 +195,25 @@ def _print_knock_out(costs: Iterable[Mapping[str, Any]]) -> None:
     print_table(heads, rows, left=1)
 
 
+def _knock_out_remarks(costs: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield one line on the effects without which there is no solution, and one on each other that leaves a doubt."""
+    unsolved = grouped((cost["status"], cost["effect"]) for cost in costs if cost["shaft_power"] is None)
+    if unsolved:
+        told = "; ".join(f"{', '.join(names)} ({status.replace('_', ' ')})" for status, names in unsolved.items())
+        yield f"no solution without {told}: run with --without NAME says why"
+    for cost in costs:
+        if cost["message"] and cost["shaft_power"] is not None:
+            yield f"without {cost['effect']}: {cost['message']}"
+
+
 def _remarks(result: Result) -> Iterable[str]:
     """Yield the lines below the figures, one subject each."""
     for reason, names in absent_figures(result.performance, result.notes).items():
         yield f"no {', '.join(names)}: {reason}"
-    for cost in result.knock_out:
-        if cost["message"]:
-            yield f"without {cost['effect']}: {cost['message']}"
+    cooling, heating = (result.performance.get(name) for name in COPS)
+    if cooling and heating and heating > cooling + 1.0 + MOTOR_HEAT:
+        yield "heating COP, shaft power: the capacity has heat that is not in the shaft power, such as the motor's loss"
+    yield from _knock_out_remarks(result.knock_out)
     if result.balance:
         balance = result.balance
         parts = [f"{name.replace('_', ' ')} {balance[name]:.1e}" for name in ("mass", "energy") if name in balance]

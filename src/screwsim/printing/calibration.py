@@ -1,5 +1,6 @@
 """Output of `screwsim calibrate`, printed and written."""
 
+import math
 import os
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -29,7 +30,8 @@ from screwsim.results.protection import protect_other_json, protect_other_text
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.scene import conventions
 from screwsim.screen import say
-from screwsim.study.asked.inputs import in_customary, shown_number, shown_value
+from screwsim.study.asked.inputs import WITHOUT_ZERO, in_customary, shown_number, shown_value, unit_of_change
+from screwsim.study.asked.varied import leaf_of, value_at
 from screwsim.study.calibration.fit import TOLERANCE_REMEDY, Parameter, Prior
 from screwsim.study.calibration.hypotheses import LEAST_CHANCE, chance_of_misfit
 from screwsim.study.calibration.identifiability import CORRELATED, WEAK_VALUE
@@ -39,7 +41,9 @@ from screwsim.study.scene_files import FITTED_LINE, fitted_text, refuse_base
 from screwsim.study.uncertainty.spreads import not_included
 
 SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
-MOST_OF_MISFIT, OUTLIERS_OF = 0.5, 10  # share of chi squared that at most one number in ten makes up, if it is named
+# share of chi squared that at most one number in ten, or one of fewer than twenty, makes up, if it is named
+MOST_OF_MISFIT, OUTLIERS_OF = 0.5, 10
+FACTOR_FROM = 2.0  # change of a parameter from which on it is told as a factor
 _HALF_INTERVAL = "taken as half of a 95 % interval, two standard deviations (prior: none omits it)"
 
 
@@ -152,6 +156,7 @@ def print_calibration(found: Calibration) -> None:
     print_table(heads, rows, 1)
     if any(tolerances):
         print_text(f"{TOLERANCE_REMEDY}: {_HALF_INTERVAL}")
+    print_text(f"changed from the scene's values: {', '.join(_changes(found))}")
     print_wrapped(_other_inputs(found))
     for group in found.fit.together:
         paths = ", ".join(found.fit.parameters[i].path for i in group)
@@ -209,6 +214,25 @@ def _other_inputs(found: Calibration) -> Iterator[str]:
     )
 
 
+def _changes(found: Calibration) -> Iterator[str]:
+    """Yield by how much each parameter differs from the scene's value: a factor, a percentage, or a difference."""
+    scene = found.fit.scene
+    for path, name in found.fit.short_names().items():
+        value, start = found.values[path], value_at(scene, path)
+        if not isinstance(start, int | float):
+            yield f"{name} (not stated there)"
+            continue
+        kind = leaf_of(scene, path).dimension
+        ratio = value / start if start else math.nan
+        if not ratio > 0.0 or (kind is not None and kind.name in WITHOUT_ZERO):
+            per, unit = unit_of_change(scene, path, value)
+            yield f"{name} {per * (value - start):+.3g} {unit}".rstrip()
+        elif 1.0 / FACTOR_FROM < ratio < FACTOR_FROM:
+            yield f"{name} {ratio - 1.0:+.1%}"
+        else:
+            yield f"{name} × {ratio:.3g}"
+
+
 def _tolerance(found: Calibration, parameter: Parameter) -> str:
     """Return the tolerance that constrains a parameter, in the unit of its value, or that one is left out; else ''."""
     prior, path = parameter.prior, parameter.path
@@ -261,18 +285,18 @@ def _quality(found: Calibration) -> Iterator[str]:
 
 
 def _outliers(found: Calibration, chi_squared: float) -> Iterator[str]:
-    """Yield the few numbers that make up most of chi squared, if few do: often they are mistakes of the table."""
+    """Yield the few numbers, or the one, that make up most of chi squared: often they are mistakes of the table."""
     fitted = [(each, each.residual) for each in found.compared if each.point.fitted and each.residual is not None]
     largest = sorted(fitted, key=lambda pair: -abs(pair[1]))[: max(len(fitted) // OUTLIERS_OF, 1)]
     count, share = 0, 0.0
     while count < len(largest) and share < MOST_OF_MISFIT:
         share += largest[count][1] ** 2 / chi_squared
         count += 1
-    if share >= MOST_OF_MISFIT and len(fitted) >= OUTLIERS_OF:
-        named = ", ".join(f"{each.point.name}: {shown_name(each.figure)} {off:+.3g}" for each, off in largest[:count])
+    if share >= MOST_OF_MISFIT and found.freedom > 1:  # of one degree of freedom all residuals tell the same
+        named = ", ".join(f"{each.point.name}: {shown_name(each.figure)} {off:+.3g} σ" for each, off in largest[:count])
         yield (
-            f"{share:.0%} of chi squared comes from {count} of {len(fitted)} numbers ({named}): check them; a point "
-            "with check in the column use is predicted and not fitted"
+            f"{share:.0%} of chi squared comes from {count} of {len(fitted)} numbers ({named}): check "
+            f"{'them' if count > 1 else 'it'}; a point with check in the column use is predicted and not fitted"
         )
 
 

@@ -13,7 +13,7 @@ from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Figure
 from screwsim.outputs.customary import printed_celsius
 from screwsim.outputs.display import grouped
-from screwsim.printing.tables import print_table, print_text, print_wrapped
+from screwsim.printing.tables import column_heads, print_table, print_text, print_wrapped
 from screwsim.report.overlay import draw_overlay
 from screwsim.report.quantities import short, shown_axis
 from screwsim.results import Results
@@ -27,7 +27,7 @@ OWN_COLUMNS = "status_a", "status_b"  # columns that identify such a table
 DIGITS = 15  # of numbers in a scene, all of which a float holds
 _LONG_NUMBER = re.compile(r"(?<![\w.])[0-9]*\.[0-9]{12,}(?:e[-+]?[0-9]+)?")
 _ONE_DIGIT_BELOW, _TWO_DIGITS_BELOW = 9.5, 99.5  # what rounds to 10, to 100: beyond, these digits need an exponent
-MOST_NAMES = 3  # most figures named for one point of largest change
+MOST_NAMES = 3  # most figures named for one point of largest change, most differences of scenes over a figure
 
 
 def comparison_document(a: Results, b: Results, found: Comparison) -> dict[str, Any]:
@@ -152,7 +152,18 @@ def _shown(axis: Axis | None, value: Any) -> str:
     return f"{short(shown.of(value))} {shown.unit}".strip()
 
 
-def write_comparison(a: Results, b: Results, folder: Path) -> list[str]:
+def _apart(scene: Mapping[str, tuple[str | None, str | None]]) -> tuple[str, str]:
+    """Return the first values of A's scene that differ from B's, and of B's, in words."""
+    some = dict(list(scene.items())[:MOST_NAMES])
+    pairs = (_shown_pair(one or "none", other or "none") for one, other in some.values())
+    named = zip(column_heads(list(some)), pairs, strict=True)
+    told = [(f"{name} {one}", f"{name} {other}") for name, (one, other) in named]
+    told += [("…", "…")] if len(scene) > len(some) else []
+    a, b = (", ".join(words[side] for words in told) for side in (0, 1))
+    return a, b
+
+
+def write_comparison(a: Results, b: Results, found: Comparison, folder: Path) -> list[str]:
     """Write one row per common point, in SI units, and the figures of both files; return the paths."""
     common, columns = common_points(a, b), {}
     units = {inner.path: inner.units for each in (b, a) for inner in quantities_along(each.axis_list)}
@@ -169,4 +180,4 @@ def write_comparison(a: Results, b: Results, folder: Path) -> list[str]:
     table = folder / TABLE
     protect_other_columns(table, TITLE, *OWN_COLUMNS)
     write_columns(table, TITLE, columns)
-    return [str(table), *draw_overlay(a, b, folder)]
+    return [str(table), *draw_overlay(a, b, folder, _apart(found.scene))]

@@ -117,7 +117,7 @@ def _print_best(found: Optimum) -> None:
         _print_points(found)
     for path, reach in found.reach.items():
         if reach.border:
-            print_text(f"{path}: {border_note(reach.border, reach.beyond)}")
+            print_text(f"{path}: {border_note(path, reach.border, reach.beyond)}")
         elif reach.beyond:
             print_text(f"{path}: at the edge of the values that have a solution: {reach.beyond}")
         if reach.idle:

@@ -86,7 +86,8 @@ def _with_places(note: str, where: Sequence[str]) -> list[str]:
 def _notes(scene: Varied, asked: Question, row: Best) -> Iterator[str]:
     if row.place in (LOWER, UPPER):
         end = asked.ends[row.place == UPPER]
-        yield border_note(row.place, row.beyond, f" ({end})" if end in (FROM, TO) else f" ({end} of --path)")
+        remedy = f" ({end})" if end in (FROM, TO) else f" ({end} of --path)"
+        yield border_note(asked.path, row.place, row.beyond, remedy)
     elif row.beyond:
         yield f"at the edge of the values that have a solution: {row.beyond}"
     if row.place == "anywhere":

@@ -13,7 +13,7 @@ from screwsim.printing.tables import print_scene_title, print_table, print_text,
 from screwsim.results.write import save
 from screwsim.scene import Scene
 from screwsim.screen import say
-from screwsim.study.asked.inputs import shown_range, shown_value, unit_of_change, usual_efficiency
+from screwsim.study.asked.inputs import WITHOUT_ZERO, shown_range, shown_value, unit_of_change, usual_efficiency
 from screwsim.study.asked.varied import Varied, leaf_of
 from screwsim.study.columns import Column, write_columns
 from screwsim.study.uncertainty.slopes import Sensitivities
@@ -114,7 +114,7 @@ def local_document(scene: Varied, found: Sensitivities) -> dict[str, Any]:
 
 
 def print_local(scene: Varied, found: Sensitivities, chosen: Sequence[str] = (), changed: Sequence[str] = ()) -> None:
-    """Print a table of numbers by figures [%/%], the most important first, and the first of them in words."""
+    """Print a table of numbers by figures [%/%, or % per K or degree], the most important first, some in words."""
     print_scene_title(scene.title, changed)
     if found.result.status != "ok":
         print_text(f"status: {found.result.status}; {found.result.message}")
@@ -124,22 +124,24 @@ def print_local(scene: Varied, found: Sensitivities, chosen: Sequence[str] = (),
     package = set(PACKAGE_FIGURES) <= set(found.derivatives)
     wanted = chosen or (PACKAGE_FIGURES if package else (usual_efficiency(scene), *USUAL_FIGURES))
     figures = [name for name in wanted if name in found.derivatives]
-    sizes = {path: [found.relative(name, path) for name in figures] for path in found.values}
+    steps = {path: _step(scene, path, value) for path, value in found.values.items()}
+    sizes = {path: [_percent_by(found, name, path, step) for name in figures] for path, (step, _) in steps.items()}
     ranked = sorted(found.values, key=lambda path: -max((abs(each) for each in sizes[path] if each), default=0.0))
     felt = [path for path in ranked if any(each is not None and abs(each) >= LEAST_SENSITIVITY for each in sizes[path])]
     rows = [
         [
             f"{path} *" if found.method[path] == DIFFERENCES else path,
             shown_value(scene, path, found.values[path], 4),
+            steps[path][1],
             *map(_percent, sizes[path]),
         ]
         for path in felt[:MOST_NUMBERS]
     ]
-    say("change of a figure, in percent per percent of a number")
-    print_table(["", "value", *map(shown_name, figures)], rows, 1)
+    say("change of a figure, in percent per percent of a number, K or degree")
+    print_table(["", "value", "per", *map(shown_name, figures)], rows, 1)
     if len(felt) > MOST_NUMBERS:
         print_text(f"and {len(felt) - MOST_NUMBERS} more with less effect (--json lists all)")
-    zero = [path for path, value in found.values.items() if value == 0.0]
+    zero = [path for path, (step, _) in steps.items() if step == 0.0]
     if zero:
         print_text(f"no percentage of a number that is 0 (--json lists its derivatives): {', '.join(zero)}")
     if idle := len(found.values) - len(felt) - len(zero):
@@ -147,6 +149,21 @@ def print_local(scene: Varied, found: Sensitivities, chosen: Sequence[str] = (),
     say()
     print_wrapped(effect_sentence(scene, found, figures[0], path) for path in felt[:3])
     _print_methods(found)
+
+
+def _step(scene: Varied, path: str, value: float) -> tuple[float, str]:
+    """Return the change [SI] of a number that the table is for, and its text: 1 %, 1 K of temperatures, 1 degree."""
+    kind = leaf_of(scene, path).dimension
+    if kind is None or kind.name not in WITHOUT_ZERO:
+        return 0.01 * value, "1 %"
+    per, unit = unit_of_change(scene, path, value)
+    return 1.0 / per, f"1 {unit}"
+
+
+def _percent_by(found: Sensitivities, figure: str, path: str, step: float) -> float | None:
+    """Return the change [%] of a figure by a step [SI] of a number; None where either is zero or missing."""
+    slope, value = found.derivatives[figure].get(path), found.result.performance.get(figure)
+    return None if slope is None or not value or not step else 100.0 * slope * step / value
 
 
 def _print_methods(found: Sensitivities) -> None:
@@ -172,7 +189,7 @@ def _round_change(scene: Varied, path: str, value: float) -> tuple[float, str]:
     """Return a round change [SI] of about a twentieth of a number, and its text."""
     kind = leaf_of(scene, path).dimension
     per, unit = unit_of_change(scene, path, value)
-    if kind is not None and kind.name in ("temperature", "angle"):
+    if kind is not None and kind.name in WITHOUT_ZERO:
         return 1.0 / per, f"1 {unit}"
     about = abs(value * per) / 20.0 or 1.0
     power = 10.0 ** int(f"{about:e}".partition("e")[2])

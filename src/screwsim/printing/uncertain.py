@@ -114,10 +114,8 @@ def model_lines(model: Mapping[str, Any]) -> list[str]:
     lines = [f"model: ours less theirs at the {points} points of {model['of']} not used in any fit, E ± 2 u_val"]
     lines[0] += f"; without {', '.join(missing)}, which the source does not state" if missing else ""
     lines[0] += f". {model['citation']}"
-    out = model["outside"]
-    inside = "this scene lies within the validated range"
-    lines.append(f"warning: outside the validated range, so the error may differ: {'; '.join(out)}" if out else inside)
-    return lines
+    outside = "(…): found under other conditions than this scene's, as the warning says"
+    return [*lines, outside if model["outside"] else "this scene lies within the validated range"]
 
 
 def _not_stated(missing: Mapping[str, Sequence[str]]) -> Iterator[str]:

@@ -20,6 +20,7 @@ from screwsim.results import Results
 _LIFTS = {"suction_valve_lift": "suction valve", "discharge_valve_lift": "discharge valve"}
 _BESIDE_LEGEND = 0.75  # of the width
 _NEAR = 170.0  # [degree] closer marks have their texts side by side, not centred
+_VANISHING = 10.0  # ratio of the largest flows of two paths from which the smaller is a line at zero
 _HARMONICS = 10
 _FINE = 720  # points of a pitch for the spectrum
 
@@ -150,21 +151,42 @@ def draw_temperatures(axes: Any, trace: Trace) -> None:
 
 
 def draw_flows(axes: Any, trace: Trace) -> None:
-    """Draw the mass flow of each path over the angle into axes, one colour per path."""
+    """Draw the mass flow of each path over the angle into axes, one colour per path; paths without any are left out.
+
+    Where leaks would vanish beside the flow of a port, the axis is linear up to the smallest path's largest flow and
+    logarithmic beyond.
+    """
     axes.axhline(0.0, color=GREY, linewidth=0.4)
-    for i, (words, sides) in enumerate(flow_paths(trace.values).items()):
+    peaks = _peaks(trace)
+    shown = [MASS_FLOW.factor * peak for peak in peaks.values() if peak]
+    if shown and max(shown) > _VANISHING * min(shown):
+        axes.set_yscale("symlog", linthresh=min(shown))
+    flowing = {words: sides for words, sides in flow_paths(trace.values).items() if peaks[words]}
+    for i, (words, sides) in enumerate(flowing.items()):
         for j, (side, name) in enumerate(sides.items()):
             flow = trace.values[name] * MASS_FLOW.factor
             style = {"color": COLOURS[i % len(COLOURS)], "linestyle": DASHES[j]}
             axes.plot(trace.angle, flow, **style, label=f"{words}, {side}" if side else words)
     axes.set_ylabel(MASS_FLOW.label)
-    axes.legend(fontsize=SMALL)
-    _angle_axis(axes, trace, trace.axis.label)
+    if flowing:
+        axes.legend(fontsize=SMALL)
+    _angle_axis(axes, trace, trace.axis.label, plain=axes.get_yscale() == "linear")
+
+
+def _peaks(trace: Trace) -> dict[str, float]:
+    """Return the largest flow [kg/s] of each path, in either direction."""
+    paths = flow_paths(trace.values)
+    return {
+        words: max(float(np.nanmax(np.abs(trace.values[name]))) for name in sides.values())
+        for words, sides in paths.items()
+    }
 
 
 def _flows(trace: Trace) -> Any:
     """Draw the mass flow of each path over the angle, one panel per path, with both sides of a gap in one panel."""
-    paths = flow_paths(trace.values)
+    peaks, every = _peaks(trace), flow_paths(trace.values)
+    paths = {words: sides for words, sides in every.items() if peaks[words]} or every
+    closed = ", ".join(words for words in every if words not in paths)
     figure, places = style.panels(len(paths), 22.0, 36.0, sharex=True)
     for axes, (words, sides) in zip(places, paths.items(), strict=True):
         axes.axhline(0.0, color=GREY, linewidth=0.4)
@@ -180,7 +202,8 @@ def _flows(trace: Trace) -> Any:
     figure.supxlabel(trace.axis.label, fontsize=8.0)
     figure.supylabel(MASS_FLOW.label, fontsize=8.0)
     lines = ", ".join(f"{text} {short(angle)}°" for text, angle in trace.marks.items())
-    note(figure, trace.title, f"dotted: {lines}" if lines else "", share=_BESIDE_LEGEND)
+    told = f"dotted: {lines}" if lines else "", f"no flow: {closed}" if closed else ""
+    note(figure, trace.title, *told, share=_BESIDE_LEGEND)
     return figure
 
 
@@ -195,10 +218,11 @@ def _pressure_axis(axes: Any, trace: Trace) -> str:
     return beyond if peak > top else ""
 
 
-def _angle_axis(axes: Any, trace: Trace, label: str = "") -> None:
+def _angle_axis(axes: Any, trace: Trace, label: str = "", plain: bool = True) -> None:
     first, last = float(trace.angle[0]), float(trace.angle[-1])
     style.angle_axis(axes, first, last, trace.marks.values(), 120.0 if last - first > 400.0 else 60.0)
-    plain_ticks(axes.yaxis, most=6)
+    if plain:  # not those of logarithms
+        plain_ticks(axes.yaxis, most=6)
     if label:
         axes.set_xlabel(label)
 

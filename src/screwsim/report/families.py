@@ -14,6 +14,7 @@ from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.schema import Axis
 from screwsim.results.table import TOGETHER
 from screwsim.results.warning_kinds import cases_with_warnings
+from screwsim.scene.operation import is_condition
 from screwsim.scene.types import COVERAGE
 
 SPEED, RATIO, FLUID = "operation.speed", "oil_supply.ratio", "gas.fluid"
@@ -67,6 +68,11 @@ class Family(NamedTuple):
     def by_axis(self) -> Axis | None:
         """Axis that distinguishes the curves."""
         return None if self.by is None else self.results.axis_list[self.by]
+
+    @property
+    def chosen(self) -> bool:
+        """Whether one chooses the values of axis x, so that curves over it have optima."""
+        return not is_condition(self.x_axis.path)
 
     def part(self, values: Any) -> np.ndarray:
         """Return the values of the cases that are drawn, on the axes that are not held."""

@@ -75,7 +75,7 @@ def draw_contours(axes: Any, family: Family, name: str) -> int:
     bar.set_label(shown_figure(family.results, name).label)
     if len(points) <= _POINTS_SHOWN:
         axes.plot(*points.T, ".", color="black", markersize=1.6, clip_on=False, in_layout=False)
-    found = _optima(axes, family, name) if OPTIMUM_FIGURES in name else 0
+    found = _optima(axes, family, name) if OPTIMUM_FIGURES in name and family.chosen else 0
     for axis, swept in zip((axes.xaxis, axes.yaxis), _axes(family), strict=True):
         axis.set_label_text(shown_axis(swept).label)
         values = shown_axis(swept).of(swept.values)

@@ -20,13 +20,17 @@ COLOUR_B = COLOURS[3]  # of the second cycle
 Pair = tuple[list[Curve], list[Curve]]  # curves of A and of B
 
 
-def draw_overlay(a: Results, b: Results, folder: str | Path) -> list[str]:
-    """Write the figures that two files have in common, and return their paths; none where they share no axes."""
-    return write_all(dict(plans(a, b)), folder)
+def draw_overlay(a: Results, b: Results, folder: str | Path, apart: tuple[str, str] = ("", "")) -> list[str]:
+    """Write the figures that two files have in common, and return their paths; none where they share no axes.
+
+    `apart` says in words how A's scene differs from B's, and B's from A's.
+    """
+    return write_all(dict(plans(a, b, apart)), folder)
 
 
-def plans(a: Results, b: Results) -> Mapping[str, Callable[[], Any]]:
+def plans(a: Results, b: Results, apart: tuple[str, str] = ("", "")) -> Mapping[str, Callable[[], Any]]:
     """Return the figures that both files have data for, by name."""
+    names = _names(a, b, apart)
     found: dict[str, Callable[[], Any]] = {}
     one, other = families.family_of(a), families.family_of(b)
     same = [axis.path for axis in a.axis_list] == [axis.path for axis in b.axis_list]
@@ -34,14 +38,14 @@ def plans(a: Results, b: Results) -> Mapping[str, Callable[[], Any]]:
         one, other = next(slices(one)), next(slices(other))  # further axes are at their first values
         common = _common_curves(one, other)
         if common[0]:  # no figure may have two points along an axis in both
-            found["comparison"] = partial(_curves, one, b, *common)
+            found["comparison"] = partial(_curves, one, names, *common)
     first, second = chosen_trace(a), chosen_trace(b)
     if first is not None and second is not None:
-        found["comparison_cycles"] = partial(_cycles, a, b, first, second)
+        found["comparison_cycles"] = partial(_cycles, first, second, names, bool(a.axis_list or b.axis_list))
     return found
 
 
-def _curves(family: Family, b: Results, panels_of: Mapping[str, Pair], kept: str) -> Any:
+def _curves(family: Family, names: tuple[str, str], panels_of: Mapping[str, Pair], kept: str) -> Any:
     """Draw figures over the common axis of both sweeps, one panel each."""
     a = family.results
     figure, places = panels(len(panels_of), 22.0, 52.0)
@@ -57,7 +61,7 @@ def _curves(family: Family, b: Results, panels_of: Mapping[str, Pair], kept: str
         x = [curve.x for curves in pair for curve in curves]
         label_axes(axes, shown_axis(family.x_axis).label, shown_figure(a, name).label, x)
     heading, words = families.curves_heading(family)
-    _head(figure, a, b, family.constant, words, kept)
+    _head(figure, names, family.constant, words, kept)
     if family.by is not None:
         label_curves(zip(places, (of_a for of_a, _ in panels_of.values()), strict=True), heading)
     return figure
@@ -81,7 +85,7 @@ def _common_curves(one: Family, other: Family) -> tuple[dict[str, Pair], str]:
     return {name: (few(of_a), few(of_b)) for name, (of_a, of_b) in pairs.items()}, left_out
 
 
-def _cycles(a: Results, b: Results, one: Trace, other: Trace) -> Any:
+def _cycles(one: Trace, other: Trace, names: tuple[str, str], of_sweeps: bool) -> Any:
     """Draw the pressures of both cycles over volume and over angle."""
     figure, (left, right) = subplots(DOUBLE, 78.0, 1, 2)
     for trace, colour, dashes in ((one, COLOURS[0], "-"), (other, COLOUR_B, DASH)):
@@ -91,14 +95,20 @@ def _cycles(a: Results, b: Results, one: Trace, other: Trace) -> Any:
     left.set(xlabel=VOLUME.label, ylabel=PRESSURE.label)
     right.set(xlabel=one.axis.label, ylabel=PRESSURE.label)
     plain_ticks(left.xaxis, left.yaxis, right.xaxis, right.yaxis)
-    _head(figure, a, b, *dict.fromkeys((one.title, other.title)) if a.axis_list or b.axis_list else ())
+    _head(figure, names, *dict.fromkeys((one.title, other.title)) if of_sweeps else ())
     return figure
 
 
-def _head(figure: Any, a: Results, b: Results, *words: str) -> None:
+def _head(figure: Any, names: tuple[str, str], *words: str) -> None:
     """Write above a figure which file has solid and which dashed lines, and other remarks."""
-    names = [each.path.name for each in (a, b)]
+    note(figure, f"drawn: {names[0]}", f"dashed: {names[1]}", *words)
+
+
+def _names(a: Results, b: Results, apart: tuple[str, str]) -> tuple[str, str]:
+    """Return what tells two files apart: their names (paths, if these are equal), titles and scenes."""
+    files = [each.path.name for each in (a, b)]
+    files = files if files[0] != files[1] else [str(each.path) for each in (a, b)]
     titles = [str(each.attributes.get("title", "")) for each in (a, b)]
-    apart = titles if titles[0] != titles[1] else ["", ""]
-    told = [f"{name}, {title}" if title else name for name, title in zip(names, apart, strict=True)]
-    note(figure, f"drawn: {told[0]}", f"dashed: {told[1]}", *words)
+    titles = titles if titles[0] != titles[1] else ["", ""]
+    one, other = (", ".join(filter(None, parts)) for parts in zip(files, titles, apart, strict=True))
+    return one, other

@@ -85,6 +85,8 @@ def mesh_figure(rotors: Rotors) -> Any:
     axes.set(aspect="equal", xlabel="$x$ (mm)", ylabel="$y$ (mm)")
     plain_ticks(axes.xaxis, most=9)
     plain_ticks(axes.yaxis)
+    points = "H cusp of the bores, P pitch point, S where contact on the trailing flank begins (blow-hole: H to S)"
+    style.note(figure, f"coloured: line of contact; dashed: pitch circles; {points}")
     return figure
 
 

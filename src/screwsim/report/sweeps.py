@@ -63,11 +63,11 @@ def plans(results: Results) -> Iterator[Plan]:
 
 
 def _efficiency(family: Family, name: str) -> Any:
-    """Draw an efficiency over x, with the optimum of each curve marked (the paper's Fig. 1)."""
+    """Draw an efficiency over x, with the optimum of each curve marked if x is chosen (the paper's Fig. 1)."""
     results = family.results
     curves, kept = thinned(every := curves_of(family, name))
     figure, axes = subplots(SINGLE, 70.0)
-    found = draw_curves(axes, curves, optima=True)
+    found = draw_curves(axes, curves, optima=family.chosen)
     label_axes(axes, shown_axis(family.x_axis).label, shown_figure(results, name).label, [c.x for c in curves])
     heading, words = families.curves_heading(family)
     told = (*remarks(curves, found), families.band_words(results, curves))

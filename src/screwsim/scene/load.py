@@ -217,6 +217,10 @@ def _read_base(node: Node, trail: tuple[str, ...], problems: LocatedFaults) -> N
         again = "is based on this file again" if real in trail else f"is the base of more than {MOST_BASES} files"
         problems.add(node.place, "base", f"{at.what} {again} (a chain of bases must end)")
         return None
+    if not os.path.lexists(path):
+        remedy = f"name a scene file as seen from the folder of this one, {os.path.abspath(node.place.folder)}"
+        problems.add(node.place, "base", f"{at.what} does not exist ({remedy})")
+        return None
     source = os.path.normpath(os.path.join(os.path.dirname(node.place.source), node.value))
     start = Position(node.place.rank + 1, source, folder=os.path.dirname(os.path.abspath(path)))
     return _read_file(path, start, (*trail, real), problems, at)

@@ -25,6 +25,7 @@ QUALITY = "operation.suction.quality"
 STATE_PATHS = ("gas.fluid", "gas.mass_fractions", "gas.mole_fractions", "operation")  # paths on which the states depend
 TEMPERATURES = (EVAPORATING, CONDENSING, SUPERHEAT, SUBCOOLING, GAS_COOLER)  # one way to state the lines
 PRESSURES = (P_S, P_D, T_S, SUPERHEAT_S)  # the other way
+CHOSEN = "operation.speed", "operation.tip_speed", GAS_COOLER_P  # under `operation`, yet chosen to suit conditions
 COUNTERPART = {
     P_S: EVAPORATING,
     P_D: CONDENSING,
@@ -34,6 +35,12 @@ COUNTERPART = {
     CONDENSING: P_D,
     SUPERHEAT: SUPERHEAT_S,
 }
+
+
+def is_condition(path: str) -> bool:
+    """Tell whether a path, of a scene or of a stage, is a condition that a machine meets, not one that one chooses."""
+    own = path.removeprefix("first.").removeprefix("second.")
+    return own.startswith("operation.") and own not in CHOSEN
 
 
 def check_operation(scene: Scene) -> list[Fault]:

@@ -41,6 +41,7 @@ from screwsim.scene.sizes import size_warnings
 from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
 
+MILLIKELVIN = 1e-3  # [K]
 ASK_IF_MEANT = "is that intended?"
 # share of the largest volume that a table's smallest may have: the displacement is off by as much
 LEAST_VOLUME_SHARE = 1e-3
@@ -52,6 +53,9 @@ ROUGH_SLOPE = 0.25
 STILL_GROWS, HAS_FALLEN = 0.99, 0.9
 LEAST_COMPRESSIBILITY = 0.8  # of a line's gas, below which it is a quarter and more denser than an ideal gas
 USUAL_RATIO = 30.0  # usual pressure ratio in one machine, higher over lower, at the most
+# kg of oil per kg of gas with which rotors still run on each other, without timing gears ("oil-reduced"): L. Sjöholm,
+# Different operational modes for refrigeration twin-screw compressors, Purdue 1986, paper 518
+LEAST_OIL_RATIO = 0.01
 PLAIN_SECTIONS = ("gas", "oil", "operation", "oil_supply", "machine")
 
 
@@ -244,15 +248,20 @@ def virial_compressibility(limits: constants.Limits, p: float, T: float) -> floa
 
 
 def _oil(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield a warning where the oil is so cold that a real gas condenses on it at the higher pressure."""
+    """Yield warnings where there is too little oil for rotors, or where a real gas condenses on oil that is cold."""
     supply = scene.oil_supply
+    ratio = None if supply is None or not isinstance(scene.machine, TwinScrew) else supply.ratio
+    if ratio is not None and ratio < LEAST_OIL_RATIO:
+        what = f"{ratio:.4g} kg of oil per kg of gas hardly lubricate rotors that drive each other"
+        why = f"usual: at least {LEAST_OIL_RATIO:g}; lubrication is not modelled"
+        yield "oil_supply.ratio", f"{what} ({why}; leave oil_supply out of a machine with timing gears)"
     if supply is None or supply.temperature is None or not condenses(scene.gas) or not oil_in_chambers(scene.effects):
         return
     at, line = lines(scene), "suction" if scene.machine.expands else "discharge"
     p = max(at.p_s, at.p_d)
     with suppress(UsageError):  # above the critical pressure
         T = constants.saturation_temperature(scene.gas.name, p)
-        if supply.temperature < T:
+        if supply.temperature < T - MILLIKELVIN:  # a dew point that a scene states may be off by rounding
             cold, warm = map(in_celsius, (supply.temperature, T))
             what = f"{scene.gas.name} condenses on it at the {line} pressure, {1e-5 * p:.4g} bar, below {warm}"
             yield "oil_supply.temperature", f"the oil enters at {cold}; {what} (use warmer oil)"
@@ -277,6 +286,12 @@ def _films(scene: Scene) -> Iterator[tuple[str, str]]:
 def left_out_lines(scene: Scene) -> list[str]:
     """Return one line each on the leaks that a scene omits and on the number of effects that it omits."""
     return [line for line in (leaks_in_words(scene), left_out_in_words(scene)) if line]
+
+
+def idle_figures(scene: Scene) -> tuple[str, ...]:
+    """Return the figures of parts that a scene does not have: the duty of an oil cooler that its separator lacks."""
+    coolers = [active.parameters.cooler for active in scene.effects.values() if hasattr(active.parameters, "cooler")]
+    return () if any(cooler is not None for cooler in coolers) else ("oil_cooler_duty",)
 
 
 def leaks_in_words(scene: Scene) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
+from screwsim.effects.motor import SERVICE_FACTOR, beyond_rating
 from screwsim.figures.engineering import figure_text
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
@@ -30,7 +31,7 @@ UNSTEADY_PORT = (
 )
 ELSEWHERE = 0.01  # relative difference of a package's inlet pressure from that of its surroundings that is told
 STEADY = 0.01  # departure of the draw ratio from 1 within which a port draws what the liquid gives off
-HEAVY, LIGHT = 1.15, 0.6  # motor loads (NEMA MG 1: service factor 1.15) beyond which sheet and machine hardly match
+LIGHT = 0.6  # motor load below which sheet and machine hardly match
 
 
 class SizedMachine(NamedTuple):
@@ -119,9 +120,11 @@ def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]
     package = DELIVERED in p
     gives, takes = _package_in_words(found) if package else _plant_in_words(found)
     shaft = f"takes {figure_text(TAKEN, p.shaft_power)} at the shaft"
-    yield f"computed: {gives}, {shaft} ({100.0 * load:.0f} % of a motor of {1e-3 * rated:g} kW), {takes}"
-    if asked.motor is not None and not LIGHT <= load <= HEAVY:
-        word = "more" if load > HEAVY else "less"
+    beyond = beyond_rating(load)
+    carried = f"{100.0 * load:.0f} % of a motor of {1e-3 * rated:g} kW{f', {beyond}' if beyond else ''}"
+    yield f"computed: {gives}, {shaft} ({carried}), {takes}"
+    if asked.motor is not None and not LIGHT <= load <= SERVICE_FACTOR:
+        word = "more" if load > SERVICE_FACTOR else "less"
         check = "--flow, --motor and --pressure" if package else "--capacity, --motor and --condition"
         yield f"the motor carries {word} than data sheets show (check {check}, or --speed)"
     tips = 0.5 * scene.operation.speed * scene.machine.rotor_diameter

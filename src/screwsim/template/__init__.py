@@ -11,7 +11,7 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.suggestions import joined_names, nearest, with_article
 from screwsim.scene import loads
 from screwsim.template import expander, gas, reciprocating, refrigeration
-from screwsim.template.request import SceneRequest, request_of
+from screwsim.template.request import SceneRequest, note_on_pressure, request_of
 
 MOTOR, SHEET, SPEEDS, CAPACITY = ("--motor",), ("--flow", "--pressure"), ("--variable-speed",), ("--capacity",)
 LIQUID, SLIDE = ("--economizer",), ("--slide",)
@@ -58,7 +58,7 @@ KINDS = {
     "expander": Kind(expander.expander),
     "reciprocating": Kind(reciprocating.reciprocating),
 }
-__all__ = ["KINDS", "SceneRequest", "kind_of", "new_scene", "request_of"]
+__all__ = ["KINDS", "SceneRequest", "kind_of", "new_scene", "note_on_pressure", "request_of"]
 
 
 def kind_of(name: str, options: Iterable[str] = ()) -> Kind:

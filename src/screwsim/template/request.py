@@ -10,8 +10,8 @@ from screwsim.fluid.oils import OILS
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import did_you_mean
-from screwsim.outputs.customary import RPM
-from screwsim.scene.units import NUMBER, gauge_pressures_over, parse_quantity, refused_at
+from screwsim.outputs.customary import RPM, in_bar
+from screwsim.scene.units import NUMBER, gauge_pressures_over, is_gauge, parse_quantity, refused_at
 from screwsim.template import sizes
 
 SPEED = 2950.0 * RPM  # [rad/s] of screws
@@ -135,6 +135,15 @@ def _by_pressure(condition: str | None, pressure: str | None) -> str | None:
     if found is not None and found <= ATMOSPHERE:
         raise UsageError(f"--pressure {pressure}: is not above the ambient 1 bar (write e.g. --pressure '7.5 bar(g)')")
     return f"0 bar(g)/{pressure.strip()}"
+
+
+def note_on_pressure(pressure: str | None) -> str:
+    """Return that a package's outlet pressure is absolute, with its gauge pressure; empty for gauge pressures."""
+    if pressure is None or is_gauge(pressure.strip()):
+        return ""
+    p = parse_quantity(KINDS["pressure"], pressure)
+    gauge = f"for that as a gauge pressure write '{in_bar(p)}(g)'"
+    return f"note: --pressure {pressure.strip()} is absolute, {in_bar(p - ATMOSPHERE)}(g) ({gauge})"
 
 
 def _quantity(option: str, kind: str, text: str | None, example: str) -> float | None:

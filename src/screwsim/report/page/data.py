@@ -18,6 +18,7 @@ from screwsim.report.trace import Trace, angle_axis, flow_paths, marks_of, press
 from screwsim.results import Results
 from screwsim.results.optimum import EVALUATION, POINT
 from screwsim.results.warning_kinds import cases_with_warnings
+from screwsim.scene.operation import is_condition
 
 MOST_CASES, MOST_WITH_TRACES, MOST_WITH_FLOWS = 20_000, 2_000, 400  # most cases shown; all are in the file
 STATES_OFF, FLOWS_OFF = 2e-4, 2e-3  # of a trace's span: largest deviation of the page's straight segments
@@ -107,6 +108,7 @@ def _axis(axis: Any, stride: int) -> dict[str, Any]:
         "unit": how.unit,
         "values": [float(f"{number:.9g}") for number in numbers],
         "log": is_log(numbers),
+        "chosen": not is_condition(axis.path),
     }
 
 

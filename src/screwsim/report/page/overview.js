@@ -127,12 +127,13 @@ function curvesDrawing(notes) {
   const places = curvePlaces();
   const traces = [];
   const optima = [];
+  const marked = !overWords() && data.axes[choice.along].chosen && HAS_OPTIMUM.test(choice.figure.name);
   places.forEach((place, i) => {
     const points = curveAt(place);
     const name = choice.by === null ? "" : nameOf(choice.by, place);
     traces.push(curveTrace(points, name, ordered(i, places.length), DASHES[i % DASHES.length]));
     if (overWords()) Object.assign(traces.at(-1), { mode: "markers" });
-    const best = !overWords() && HAS_OPTIMUM.test(choice.figure.name) && points.length > 2 ? optimumOf(points) : null;
+    const best = marked && points.length > 2 ? optimumOf(points) : null;
     if (best) optima.push({ ...best, tint: ordered(i, places.length) });
   });
   if (optima.length) {

@@ -12,6 +12,7 @@ from screwsim.scene.units import NUMBER, customary_unit, to_customary
 from screwsim.study.asked.varied import Kind, Varied, case, faults_of, leaf_of, read_value, with_values
 
 CELSIUS = "°C"
+WITHOUT_ZERO = "temperature", "angle"  # quantities whose zero is a convention: a percentage of them says nothing
 # kinds without a range of values
 DISCRETE_KINDS = {"choice": "a choice", "count": "a whole number", "fluid": "a fluid"}
 

@@ -22,6 +22,7 @@ from screwsim.study.asked.varied import Varied, leaf_of, read_value, value_at
 LOGARITHMIC_FROM = 4.0  # ratio of the ends from which on a search uses the logarithm
 RANGE_FACTOR = 20.0  # without a range: the largest factor above and below the scene's value
 STEP_BEYOND = 0.01  # of the range, beyond its end
+OIL_FLOWS = "oil_supply.ratio", "oil_supply.flow", "oil_supply.orifice_diameter", "oil_supply.orifice_count"
 LOWER, UPPER = "lower border", "upper border"
 BORDER_MARKS = {"": "", LOWER: " <", UPPER: " >"}  # behind a value in tables
 
@@ -97,11 +98,16 @@ def idle_note(path: str) -> str:
     return f"{path} has hardly any effect: equally good values were found over all of its range"
 
 
-def border_note(border: str, beyond: str, remedy: str = "") -> str:
-    """Return what a best value at a border of its range means: nothing lies beyond, or the range is to be widened."""
+def border_note(path: str, border: str, beyond: str, remedy: str = "") -> str:
+    """Return what a best value at a border of its range means: nothing lies beyond, or the range is to be widened.
+
+    The least oil is set by lubrication, which is not modelled: no range finds it.
+    """
     if beyond:
         return f"at the {border} of the range, beyond which there is no solution: {beyond}"
-    return f"at the {border} of the range; a better value may lie beyond, so widen it{remedy}"
+    oil = border == LOWER and path.endswith(OIL_FLOWS)
+    least = ", down to the oil that the maker requires: lubrication is not modelled" if oil else ""
+    return f"at the {border} of the range; a better value may lie beyond, so widen it{remedy}{least}"
 
 
 def read_spans(

@@ -36,6 +36,18 @@ SMALLEST, LARGEST = 1e-9, 1e9  # of a value: uncertainties outside are implausib
 USE_WORDS = {"": True, "fit": True, "check": False}
 # of the suction temperature [K]: no machine leaves a gas colder; lower values are mostly degC read as K
 LEAST_TEMPERATURE_RATIO = 0.4
+# heads by which tables of makers and test benches call these columns, in lower case without _ and blanks
+_USUAL_HEADS = {
+    **dict.fromkeys(("te", "t0", "to", "tevap", "evaporating"), "operation.evaporating_temperature [degC]"),
+    **dict.fromkeys(("tc", "tcond", "condensing"), "operation.condensing_temperature [degC]"),
+    **dict.fromkeys(("q", "q0", "qo", "qe", "capacity", "coolingcapacity"), "cooling_capacity [kW]"),
+    **dict.fromkeys(("p", "pe", "pel", "power", "powerinput"), "shaft_power [kW] or electrical_power [kW]"),
+    **dict.fromkeys(("n", "rpm", "speed"), "operation.speed [rpm]"),
+    **dict.fromkeys(("m", "mdot", "massflow"), "gas_mass_flow [kg/s]"),
+    **dict.fromkeys(("td", "t2", "discharge"), "discharge_temperature [degC]"),
+    **dict.fromkeys(("ps", "p0", "p1"), "operation.suction.pressure [bar]"),
+    **dict.fromkeys(("pd", "pc", "p2"), "operation.discharge.pressure [bar]"),
+}
 _EXAMPLE = "write e.g. operation.speed [rpm], shaft_power [kW], shaft_power_uncertainty [kW]"
 
 
@@ -197,6 +209,9 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
     if in_brackets is not None:
         raise Refused(f"is not known (a unit stands in square brackets: {in_brackets[1]} [{in_brackets[2]}])")
     if "." not in name:
+        usual = _USUAL_HEADS.get(re.sub(r"[\s_]", "", name).lower())
+        if usual is not None:
+            raise Refused(f"is not known (write {usual}, if that is what it is)")
         known_names = [*figures, "name", "use", *leaves_of(scene)]
         raise Refused(unknown_key(name, known_names, "name, use, a scene path or a figure"))
     leaf = leaf_of(scene, name)

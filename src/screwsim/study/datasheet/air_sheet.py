@@ -13,10 +13,12 @@ from screwsim.scene.lines import lines
 from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_document, lives_table
-from screwsim.study.datasheet.bounds import motor_of
+from screwsim.study.datasheet.bounds import Limit, exceeded_bounds, motor_of, with_limits_of
+from screwsim.study.datasheet.columns import GAS_OUT, MIXTURE
 from screwsim.study.datasheet.hottest_room import room_documents, room_lines
+from screwsim.study.datasheet.machine_lines import limits_in_words, load_in_words
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, disclaimer, warning_lines
-from screwsim.study.datasheet.tables import document_figures
+from screwsim.study.datasheet.tables import BLANK, MARK, document_figures
 from screwsim.study.datasheet.units import METRIC, Units
 
 REFERENCE_INLET = 1e5, 293.15  # Pa, K
@@ -29,7 +31,7 @@ US_HEADS = ("rpm", "acfm", "% of full", "hp", "kW", "hp/ 100 acfm", "kW/ 100 acf
 DOCUMENT_FIGURES = (
     FREE_AIR, POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
     "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "oil_cooler_load",
-    "aftercooler_duty", "mixture_discharge_temperature", "oil_supply_temperature",
+    "aftercooler_duty", MIXTURE, GAS_OUT, "oil_supply_temperature",
     "humidity_ratio", "pressure_dew_point", "package_dew_point", "water_flow", SEPARATED, COOLED, PACKAGE_VAPOUR,
     *LIFE_FIGURES,
 )  # fmt: skip
@@ -43,14 +45,15 @@ DISCLAIMER = disclaimer("ISO 1217")
 def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sheet:
     """Return the sheet of a rating, with the energy of demands."""
     shares = year(rated, demands) if demands else ()
-    rows = [point_row(point, rated.full, rated.units) for point in rated.points]
+    limits = with_limits_of(scene, [room.bound for room in rated.rooms])
+    rows, marked = _rows(rated, limits)
     every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
     return Sheet(
         heading="Air package, rating by ISO 1217",
         title=with_printed_units(scene.title),
-        lines=list(_lines(scene, rated)),
+        lines=[*_lines(scene, rated), *limits_in_words(limits, rated.units)],
         tables=[
-            Table("Points", heads_of(rated.units), rows),
+            Table("Points", heads_of(rated.units), rows, f"{MARK} beyond a limit" if marked else ""),
             *([year_table(rated, shares)] if shares else []),
             *lives_table(_named_points(rated), units=rated.units),
         ],
@@ -60,6 +63,15 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
         document={**_document(scene, rated), **({"profile": year_document(shares)} if shares else {})},
         ok=all(point.ok for point in every),
     )
+
+
+def _rows(rated: Rating, limits: Mapping[Limit, str]) -> tuple[list[list[str]], bool]:
+    """Return the rows of the points, those beyond a limit marked, and whether there are any."""
+    beyond = [point.ok and bool(exceeded_bounds(point.result.performance, limits)) for point in rated.points]
+    rows = [point_row(point, rated.full, rated.units) for point in rated.points]
+    blank = BLANK if any(beyond) else ""
+    marks = [MARK if each else blank for each in beyond]
+    return [[f"{speed}{mark}", *cells] for (speed, *cells), mark in zip(rows, marks, strict=True)], any(beyond)
 
 
 def _named_points(rated: Rating) -> list[tuple[str, Result]]:
@@ -125,7 +137,7 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     yield "inlet", f"{units.quantity('Pa', at.p_s)}, {units.degrees(at.T_s, '.1f')}, {scene.gas.name}{humid}"
     yield discharge_line(at.p_d, at.p_s, units)
     found = full.result.performance if full.ok else {}
-    load = f", {_percent(found['shaft_power'] / motor.rated_power)} of it at full flow" if found else ""
+    load = load_in_words(found["shaft_power"] / motor.rated_power, "at full flow") if found else ""
     inverter = " with its inverter" if motor.inverts else ""
     eta = f", efficiency{inverter} {_percent(found['motor_efficiency'], 1)}" if found else ""
     yield "motor", f"{units.quantity('W', motor.rated_power)} rated{load}{eta}"
@@ -141,6 +153,9 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
             load = found.get("oil_cooler_load")
             oil += "" if load is None else f", which is loaded to {_percent(load)}"
             yield "heat", f"{heat.factor * found['package_heat']:.1f} {heat.unit} at full flow, {oil}"
+            if (mixed := found.get(MIXTURE)) is not None:
+                alone = f"the air alone at {units.degrees(found[GAS_OUT], '.1f')}"
+                yield "mixture", f"air and oil at {units.degrees(mixed, '.1f')}, {alone}"
             yield "outlet", f"air at {units.degrees(found['package_discharge_temperature'], '.1f')}"
         if humid:
             yield "water", _water(found, units)

@@ -9,11 +9,13 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text, shown_name
 from screwsim.scene import Scene
 from screwsim.study.asked.goals import Bound, read_bounds
+from screwsim.study.datasheet.assumed import SOURCE, Assumed, assumed_limits
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.stages.chain import StageChain
 
 MOTOR = "motor"
 RATED = f"effects.{MOTOR}.rated_power"
+Limit = Bound | Assumed
 
 
 def motor_of(scene: Scene) -> Any:
@@ -22,14 +24,18 @@ def motor_of(scene: Scene) -> Any:
     return None if named is None else named.parameters
 
 
-def excess_of(bound: Bound, found: Mapping[str, Any]) -> float:
+def excess_of(bound: Limit, found: Mapping[str, Any]) -> float:
     """Return by how much [SI] a limit is exceeded; negative within it, NaN for a figure without a value."""
+    if isinstance(bound, Assumed):
+        return bound.excess_in(found)
     value = found.get(bound.figure)
     return math.nan if value is None else bound.excess(float(value))
 
 
-def bound_words(bound: Bound, units: Units) -> str:
+def bound_words(bound: Limit, units: Units) -> str:
     """Return a limit as people write it."""
+    if isinstance(bound, Assumed):
+        return bound.in_words(units)
     return f"{shown_name(bound.figure)} {bound.sign} {limit_text(bound.figure, bound.value, units)}"
 
 
@@ -48,12 +54,17 @@ def limit_text(figure: str, value: float, units: Units) -> str:
     return units.quantity(si, value)
 
 
-def limits_of(subject: Scene | StageChain, texts: Sequence[str]) -> dict[Bound, str]:
+def limits_of(subject: Scene | StageChain, texts: Sequence[str]) -> dict[Limit, str]:
     """Return the limits stated in texts, the rated power of each motor of a scene or of two stages, and where each is.
 
-    Raises UsageError for a text that states none.
+    For one machine those that are assumed follow. Raises UsageError for a text that states none.
     """
-    found = dict.fromkeys(read_bounds(subject, texts, "--limit"), "--limit")
+    return with_limits_of(subject, read_bounds(subject, texts, "--limit"))
+
+
+def with_limits_of(subject: Scene | StageChain, stated: Sequence[Bound]) -> dict[Limit, str]:
+    """Return stated limits, those of motors, and assumed ones; where one is stated, it replaces these."""
+    found: dict[Limit, str] = dict.fromkeys(stated, "--limit")
     if isinstance(subject, Scene):
         powers = (("output_power" if subject.machine.expands else "shaft_power", subject, RATED),)
     else:
@@ -63,6 +74,8 @@ def limits_of(subject: Scene | StageChain, texts: Sequence[str]) -> dict[Bound, 
         motor = motor_of(scene)
         if motor is not None and not any(bound.figure == power for bound in found):
             found[Bound(power, "<", float(motor.rated_power))] = source
+    if isinstance(subject, Scene):
+        found |= dict.fromkeys(assumed_limits(subject, stated), SOURCE)
     return found
 
 
@@ -72,19 +85,19 @@ class EnvelopeRange(NamedTuple):
     at: float
     low: float
     high: float
-    below: Bound | str
-    above: Bound | str
+    below: Limit | str
+    above: Limit | str
 
     def ends_in_words(self, units: Units = METRIC) -> tuple[str, str]:
         """Return what ends it, in words."""
-        first, last = (bound_words(end, units) if isinstance(end, Bound) else end for end in (self.below, self.above))
+        first, last = (end if isinstance(end, str) else bound_words(end, units) for end in (self.below, self.above))
         return first, last
 
 
 def envelope(
     points: Mapping[tuple[int, int], Mapping[str, Any] | None],
     axes: tuple[Sequence[float], Sequence[float]],
-    bounds: Iterable[Bound],
+    bounds: Iterable[Limit],
 ) -> Iterator[EnvelopeRange]:
     """Yield for each value across the longest run of points within all limits, with interpolated ends.
 
@@ -104,7 +117,7 @@ def envelope(
         yield EnvelopeRange(across, low, high, below, above)
 
 
-def exceeded_bounds(found: Mapping[str, Any], bounds: Iterable[Bound]) -> list[Bound]:
+def exceeded_bounds(found: Mapping[str, Any], bounds: Iterable[Limit]) -> list[Limit]:
     """Return the limits that figures exceed, or for which they have no value."""
     return [bound for bound in bounds if not excess_of(bound, found) <= 0.0]
 
@@ -117,8 +130,8 @@ def _runs(inside: Sequence[bool]) -> Iterator[tuple[int, int]]:
 
 
 def _run_end(
-    column: Sequence[Mapping[str, Any] | None], values: Sequence[float], j: int, outside: int, bounds: Iterable[Bound]
-) -> tuple[float, Bound | str]:
+    column: Sequence[Mapping[str, Any] | None], values: Sequence[float], j: int, outside: int, bounds: Iterable[Limit]
+) -> tuple[float, Limit | str]:
     """Return the end of a run whose last point is j, and its cause."""
     if not 0 <= outside < len(column):
         return values[j], "end of the table"
@@ -129,6 +142,6 @@ def _run_end(
     shares = {}
     for bound in exceeded_bounds(there, bounds):
         a, b = excess_of(bound, here), excess_of(bound, there)
-        shares[bound] = -a / (b - a) if math.isfinite(b) and b > a else 0.0
+        shares[bound] = -a / (b - a) if math.isfinite(a) and math.isfinite(b) and b > a else 0.0
     first = min(shares, key=lambda each: shares[each])
     return values[j] + shares[first] * (values[outside] - values[j]), first

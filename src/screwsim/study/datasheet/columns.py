@@ -8,6 +8,7 @@ from screwsim.study.datasheet.units import METRIC, Measure, Units
 
 KW, PERCENT, BAR = 1e-3, 100.0, 1e-5
 NONE = "–"
+GAS_OUT, MIXTURE = "discharge_temperature", "mixture_discharge_temperature"
 MEASURES = {"kW": "power", "bar": "pressure", "kg/h": "mass_flow", "m³/h": "swept", "L/min": "oil"}
 
 
@@ -68,3 +69,14 @@ def in_units(column: Column, units: Units) -> Column:
 def temperatures(figure: str, title: str, units: Units) -> Column:
     """Return the column of a temperature."""
     return Column(figure, f"{title} [{units.degree}]", 1.0, 1, True, units)
+
+
+def outlet_temperatures(own: Mapping[str, Any], oiled: bool, what: str, units: Units) -> tuple[Column, ...]:
+    """Return the columns of the temperature behind a machine: of gas and oil mixed, which is measured, and of the gas.
+
+    `own` are the figures at the scene's own point, `what` begins the titles.
+    """
+    gas = temperatures(GAS_OUT, f"{what} temperature, the gas alone" if oiled else f"{what} temperature", units)
+    if own.get(MIXTURE) is None:
+        return (gas,)
+    return temperatures(MIXTURE, f"{what} temperature, gas and oil mixed", units), gas

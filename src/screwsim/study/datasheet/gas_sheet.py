@@ -14,14 +14,14 @@ from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, P_D, P_S
-from screwsim.study.asked.goals import Bound
+from screwsim.study.datasheet import machine_lines, tables
 from screwsim.study.datasheet import rated as rating
-from screwsim.study.datasheet import tables
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
-from screwsim.study.datasheet.columns import PERCENT, Column, decimals_of, measured, temperatures
+from screwsim.study.datasheet.bounds import Limit
+from screwsim.study.datasheet.columns import MIXTURE, PERCENT, Column, decimals_of, measured, outlet_temperatures
+from screwsim.study.datasheet.machine_lines import DUTY
 from screwsim.study.datasheet.rated import Axis, SceneRating, SceneRequest, pressure_ratio
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table, disclaimer
-from screwsim.study.datasheet.tables import DUTY
 from screwsim.study.datasheet.units import METRIC, Standard, Units
 from screwsim.study.part_load import CONTROL_ENDS, GAS, RATIO_PATH, SPEED_PATH, controls, ratios
 
@@ -29,7 +29,8 @@ FLOW, DISCHARGE = "gas_mass_flow", "discharge_temperature"
 ISENTROPIC, FILLING = "isentropic_efficiency", "filling_factor"
 ELECTRICAL_FIGURES = "electrical_power", "electrical_isentropic_efficiency"
 DOCUMENT_FIGURES = (
-    FLOW, "shaft_power", "output_power", *ELECTRICAL_FIGURES, ISENTROPIC, "volumetric_efficiency", FILLING, DISCHARGE,
+    FLOW, "shaft_power", "output_power", *ELECTRICAL_FIGURES, ISENTROPIC, "volumetric_efficiency", FILLING, MIXTURE,
+    DISCHARGE,
     "suction_pressure", "discharge_pressure", "pressure_ratio", "peak_pressure", DUTY, "oil_flow_volume",
     "oil_supply_temperature", "oil_flow_ratio", "separator_temperature", *LIFE_FIGURES,
 )  # fmt: skip
@@ -106,15 +107,15 @@ def _own_point(rated: SceneRating) -> str:
 def _lines(rated: SceneRating) -> Iterator[tuple[str, str]]:
     scene, units = rated.asked.scene, rated.asked.units
     found = rated.own.performance if rated.own.status == "ok" else {}
-    yield from tables.machine_line(scene, found, units)
+    yield from machine_lines.machine_line(scene, found, units)
     humidity = scene.gas.relative_humidity
     humid = "" if humidity is None else f", relative humidity {100.0 * humidity:.3g} %"
     yield "gas", f"{scene.gas.name}, {_temperature(scene, units)}{humid}"
     yield "point", f"{_own_point(rated)}: {_point(rated, found)}"
-    yield from tables.power_lines(scene, found, units, _expands(rated))
-    yield from tables.oil_line(scene, found, units)
+    yield from machine_lines.power_lines(scene, found, units, _expands(rated))
+    yield from machine_lines.oil_line(scene, found, units)
     power = "output_power" if _expands(rated) else "shaft_power"
-    yield from tables.limit_lines(rated, (power,) if _expands(rated) else (DISCHARGE, power))
+    yield from tables.limit_lines(rated, (power,) if _expands(rated) else (MIXTURE, DISCHARGE, power))
     if not _expands(rated):
         yield from tables.control_line(rated)
 
@@ -169,11 +170,11 @@ def _columns(rated: SceneRating) -> tuple[Column, ...]:
         measured(power, what.capitalize(), units.power._replace(factor=sign * units.power.factor), size),
         Column(efficiency, f"{'Electrical isentropic' if electrical else 'Isentropic'} efficiency [%]", PERCENT, 1),
         filled,
-        temperatures(DISCHARGE, f"{'Outlet' if expands else 'Discharge'} temperature", units),
+        *outlet_temperatures(own, scene.oil_supply is not None, "Outlet" if expands else "Discharge", units),
     ]
     if not expands:
         columns.append(_standard_flow(rated))
-    if tables.is_oil_cooled(scene):
+    if machine_lines.is_oil_cooled(scene):
         columns.append(measured(DUTY, "Oil cooler duty", units.heat, size))
     return tuple(columns)
 
@@ -239,7 +240,7 @@ def options_of(scene: Scene) -> dict[str, str]:
 
 
 def rating_request(
-    scene: Scene, ranges: Mapping[str, str | None], bounds: Mapping[Bound, str], units: Units = METRIC
+    scene: Scene, ranges: Mapping[str, str | None], bounds: Mapping[Limit, str], units: Units = METRIC
 ) -> SceneRequest:
     """Return what is rated of a scene, given ranges of its lines' options; raise UsageError."""
     (first, inlet), (second, outlet) = options_of(scene).items()

@@ -18,9 +18,8 @@ from screwsim.scene.grid import Swept
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
 from screwsim.simulate import simulate_many
-from screwsim.study.asked.goals import Bound
 from screwsim.study.asked.inputs import ends_of, read_text, refuse_empty_range, shown_value
-from screwsim.study.datasheet.bounds import EnvelopeRange, envelope, motor_of
+from screwsim.study.datasheet.bounds import EnvelopeRange, Limit, envelope, motor_of
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.part_load import GAS, LOADS, REFRIGERATION, SPEED_PATH, Control, LoadFigures, PartLoad, part_load
 from screwsim.study.pool.parallel import parallel_map
@@ -70,7 +69,7 @@ class RatingRequest(ABC):
     scenes: tuple[Scene, ...]
     across: Axis
     down: Axis
-    bounds: Mapping[Bound, str]
+    bounds: Mapping[Limit, str]
     controls: Sequence[Control]
     ratios: Sequence[float] = ()
     aim: LoadFigures = REFRIGERATION

@@ -5,6 +5,7 @@ cooler replaces the condenser, its pressure replaces the condensing temperature.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import zip_longest
 from typing import Any
 
 from screwsim.figures.engineering import shown_name
@@ -13,14 +14,14 @@ from screwsim.outputs.customary import ZERO_CELSIUS, with_printed_units
 from screwsim.scene import Scene, conventions, value_at
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P
-from screwsim.study.asked.goals import Bound
+from screwsim.study.datasheet import machine_lines, tables
 from screwsim.study.datasheet import rated as rating
-from screwsim.study.datasheet import tables
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
-from screwsim.study.datasheet.columns import Column, measured, temperatures
+from screwsim.study.datasheet.bounds import Limit
+from screwsim.study.datasheet.columns import MIXTURE, NONE, Column, measured, outlet_temperatures, temperatures
+from screwsim.study.datasheet.machine_lines import DUTY
 from screwsim.study.datasheet.rated import Axis, Rating, RatingRequest, SceneRating, SceneRequest
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, disclaimer
-from screwsim.study.datasheet.tables import DUTY
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.part_load import CONTROL_ENDS, RATIO_PATH, REFRIGERATION, controls, ratios
 from screwsim.study.part_load import HEATING as BY_HEATING
@@ -36,12 +37,12 @@ BELOW, ABOVE = 15.0, 10.0  # [K] around the scene's own temperatures: default ra
 PRESSURE_SHARES = (0.85, 0.9, 0.95, 1.0, 1.05, 1.1)  # of a gas cooler's pressure
 MOST_VALUES = 12  # values per axis of a table
 DOCUMENT_FIGURES = (
-    CAPACITY, *SHAFT, *ELECTRICAL, HEATING, *HEATING_COPS, FLOW, DISCHARGE, "suction_pressure", "discharge_pressure",
-    "volumetric_efficiency",
+    CAPACITY, *SHAFT, *ELECTRICAL, HEATING, *HEATING_COPS, FLOW, MIXTURE, DISCHARGE,
+    "suction_pressure", "discharge_pressure", "volumetric_efficiency",
     "isentropic_efficiency", "peak_pressure", DUTY, "oil_flow_volume", "oil_supply_temperature", "oil_flow_ratio",
     "separator_temperature", ECONOMIZER_FLOW, ECONOMIZER_T, ECONOMIZER_P, ECONOMIZER_GAIN, *LIFE_FIGURES,
 )  # fmt: skip
-PEAK_FIGURES = DISCHARGE, "discharge_pressure", "shaft_power"
+PEAK_FIGURES = MIXTURE, DISCHARGE, "discharge_pressure", "shaft_power"
 DISCLAIMER = disclaimer("EN 12900 or AHRI 540")
 
 
@@ -70,14 +71,14 @@ def refrigeration_sheet(rated: SceneRating, heating: bool = False) -> Sheet:
 def _lines(rated: SceneRating, heating: bool) -> Iterator[tuple[str, str]]:
     scene, units = rated.asked.scene, rated.asked.units
     found = rated.own.performance if rated.own.status == "ok" else {}
-    yield from tables.machine_line(scene, found, units)
+    yield from machine_lines.machine_line(scene, found, units)
     yield refrigerant_line(rated.asked)
     yield "point", f"{own_point(rated.asked)}: {tables.point_in_words(rated, columns_of(rated))}"
     if heating and found:
         yield heating_line(rated)
     yield from _economizer_line(rated, found)
-    yield from tables.power_lines(scene, found, units)
-    yield from tables.oil_line(scene, found, units)
+    yield from machine_lines.power_lines(scene, found, units)
+    yield from machine_lines.oil_line(scene, found, units)
     yield from tables.limit_lines(rated, PEAK_FIGURES)
     yield from tables.control_line(rated)
 
@@ -138,7 +139,7 @@ def rating_request(
     scene: Scene,
     evaporating: str | None,
     condensing: str | None,
-    bounds: Mapping[Bound, str],
+    bounds: Mapping[Limit, str],
     units: Units = METRIC,
     heating: bool = False,
 ) -> SceneRequest:
@@ -194,11 +195,13 @@ def columns_of(rated: SceneRating) -> tuple[Column, ...]:
     """Return the columns with a table each: capacity, power, COP, flow, discharge temperature, oil, economizer."""
     own, units = rated.own.performance, rated.asked.units
     size = own.get(CAPACITY) or DEFAULT_CAPACITY
-    duty = (measured(DUTY, "Oil cooler duty", units.heat, size),) if tables.is_oil_cooled(rated.asked.scene) else ()
+    duty = (
+        (measured(DUTY, "Oil cooler duty", units.heat, size),) if machine_lines.is_oil_cooled(rated.asked.scene) else ()
+    )
     return (
         *main_columns(rated, size),
         measured(FLOW, "Mass flow", units.mass_flow, own.get(FLOW) or 1.0),
-        temperatures(DISCHARGE, "Discharge temperature", units),
+        *outlet_temperatures(own, rated.asked.scene.oil_supply is not None, "Discharge", units),
         *duty,
         *economizer_columns(rated),
     )
@@ -236,6 +239,7 @@ def tables_of(rated: SceneRating, heating: bool) -> Iterator[Table]:
     columns = columns_of(rated)
     yield from tables.tables_of(rated, (*columns, *heating_columns(rated)) if heating else columns)
     cooled = rated.asked.down.path == GAS_COOLER_P
+    yield _pressures_table(rated)
     yield from tables.envelope_table(rated, "pressure of the gas cooler" if cooled else "")
     yield from lives_table(*tables.points_within_limits(rated, own_point(rated.asked)), units=rated.asked.units)
     load = f"{shown_name(rated.asked.aim.load)} relative to that of the scene itself, at {own_point(rated.asked)}"
@@ -243,6 +247,25 @@ def tables_of(rated: SceneRating, heating: bool) -> Iterator[Table]:
     main = part_load_columns(rated, columns)
     note = tables.part_load_note(rated, load, "COP")
     yield from tables.part_load_table(rated, main, (discharge,), note, "COP there")
+
+
+def _pressures_table(rated: SceneRating) -> Table:
+    """Return the table of both lines' pressures at the temperatures of the axes."""
+    asked, units = rated.asked, rated.asked.units
+    suction = _pressures(rated, asked.across, 0, "suction_pressure")
+    discharge = _pressures(rated, asked.down, 1, "discharge_pressure")
+    rows = [[*low, *high] for low, high in zip_longest(suction, discharge, fillvalue=("", ""))]
+    heads = (asked.sides[0], f"suction {units.pressure.unit}", asked.sides[1], f"discharge {units.pressure.unit}")
+    return Table("Pressures of the lines, absolute", heads, rows)
+
+
+def _pressures(rated: SceneRating, axis: Axis, place: int, figure: str) -> Iterator[tuple[str, str]]:
+    """Yield the values of an axis and a pressure there, which the first point that closed tells; `place`: 0 across."""
+    for k, value in enumerate(axis.values):
+        closed = (each.performance for at, each in rated.points.items() if at[place] == k and each.status == "ok")
+        p = next((found.get(figure) for found in closed), None)
+        text = NONE if p is None else f"{rated.asked.units.pressure.factor * p:#.4g}"
+        yield tables.shown_at(axis, value, rated.asked.units), text
 
 
 def part_load_columns(rated: Rating[Any], columns: Sequence[Column]) -> tuple[Column, Column, Column]:

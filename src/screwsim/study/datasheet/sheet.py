@@ -8,6 +8,7 @@ from screwsim.inputs.suggestions import counted
 from screwsim.outputs.display import grouped
 from screwsim.results.warning_kinds import kind_of
 
+MOST_PLACES = 36  # of a warning that are named; of more their number is given
 COLUMNS, LETTERS = 7, 11  # limits of a table that leaves room for another one beside it
 
 
@@ -75,8 +76,8 @@ def disclaimer(standards: str) -> str:
 def warning_lines(points: Sequence[tuple[str, Sequence[str]]], among: int = 0) -> Iterator[str]:
     """Yield the warnings of a sheet's points, (where, warnings) each; those that differ only by numbers once.
 
-    The first of them is given, with its place unless it holds for every point, and the number of other points. There
-    are `among` points in all, by default those given.
+    The first of them is given, with its place unless it holds for every point, and the other points. There are `among`
+    points in all, by default those given.
     """
     among = among or len(points)
     found = grouped((kind_of(text), (where, text)) for where, warnings in points for text in warnings)
@@ -85,5 +86,7 @@ def warning_lines(points: Sequence[tuple[str, Sequence[str]]], among: int = 0) -
             yield f"{where}: {text}" if among > 1 else text
         elif all(other == text for _, other in others) and len(others) + 1 == among:
             yield text
+        elif len(others) <= MOST_PLACES:
+            yield f"{where}: {text} (the same at {', '.join(place for place, _ in others)})"
         else:
             yield f"{where}: {text} (the same at {counted(len(others), 'more point')})"

@@ -23,8 +23,8 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values, without_sweep
 from screwsim.scene.lines import condensate_enthalpy
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
-from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet import gas_sheet, refrigeration_sheet
+from screwsim.study.datasheet.bounds import Limit
 from screwsim.study.datasheet.rated import DEAD, Axis, Part, Rating, RatingRequest, rating_around, swept_values
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.part_load import (
@@ -99,7 +99,7 @@ def axis_options(chain: StageChain) -> dict[str, str]:
 def rating_request(
     chain: StageChain,
     ranges: Mapping[str, str | None],
-    bounds: Mapping[Bound, str],
+    bounds: Mapping[Limit, str],
     units: Units = METRIC,
     heating: bool = False,
 ) -> ChainRequest:

@@ -17,14 +17,15 @@ from screwsim.outputs import Result
 from screwsim.outputs.customary import HOUR, MINUTE, RPM, with_printed_units
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
-from screwsim.study.datasheet import gas_sheet, refrigeration_sheet, tables
+from screwsim.study.datasheet import gas_sheet, machine_lines, refrigeration_sheet, tables
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, TITLE, lives_table
 from screwsim.study.datasheet.bounds import motor_of
-from screwsim.study.datasheet.columns import BAR, KW, NONE, PERCENT, Column, decimals_of, in_units
+from screwsim.study.datasheet.columns import BAR, KW, MIXTURE, NONE, PERCENT, Column, decimals_of, in_units
+from screwsim.study.datasheet.machine_lines import DUTY, Lines
 from screwsim.study.datasheet.refrigeration_sheet import own_point
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.stages_rating import ChainRating, refrigerates
-from screwsim.study.datasheet.tables import BLANK, DUTY, Lines
+from screwsim.study.datasheet.tables import BLANK
 from screwsim.study.datasheet.units import Units
 from screwsim.study.stages import ChainResult
 from screwsim.study.stages.axes import BATHES, COOLS, FLASHES, NOTHING, STAGE_NAMES
@@ -54,7 +55,8 @@ EACH_STAGE = (  # figures of a stage, a row each
     Column("electrical_power", "electrical power [kW]", KW, 2),
     Column("volumetric_efficiency", "volumetric efficiency [%]", PERCENT, 1),
     Column("isentropic_efficiency", "isentropic efficiency [%]", PERCENT, 1),
-    Column("discharge_temperature", "discharge temperature [°C]", 1.0, 1, celsius=True),
+    Column(MIXTURE, "discharge of gas and oil [°C]", 1.0, 1, celsius=True),
+    Column("discharge_temperature", "discharge of the gas alone [°C]", 1.0, 1, celsius=True),
     Column("separator_temperature", "separator temperature [°C]", 1.0, 1, celsius=True),
     Column("oil_flow_volume", "oil [L/min]", 1e3 * MINUTE, 1),
     Column("oil_supply_temperature", "oil temperature [°C]", 1.0, 1, celsius=True),
@@ -127,7 +129,7 @@ def _columns(rated: ChainRating) -> tuple[Column, ...]:
         rest.append(Column(figure, f"Discharge temperature of the {which} stage [°C]", 1.0, 1, celsius=True))
     cooled = zip(STAGE_NAMES, DUTIES, rated.asked.scenes, strict=True)
     for which, figure, scene in cooled:
-        if tables.is_oil_cooled(scene) or abs(own.get(figure) or 0.0) > 0.0:
+        if machine_lines.is_oil_cooled(scene) or abs(own.get(figure) or 0.0) > 0.0:
             rest.append(Column(figure, f"Oil cooler duty of the {which} stage [kW]", KW, kw))
     return (*head, *(in_units(column, units) for column in rest))
 
@@ -221,7 +223,8 @@ def each_stage_table(found: ChainResult, title: str, units: Units) -> Iterator[T
     if found.status != "ok":
         return
     figures = [each.performance for each in found.stages]
-    loads = [_motor_load(scene, each) for scene, each in zip(found.scenes, found.stages, strict=True)]
+    shares = [_share_of_motor(scene, each) for scene, each in zip(found.scenes, found.stages, strict=True)]
+    loads = ["" if share is None else f"{PERCENT * share:.0f}" for share in shares]
     speeds = (rotor_speed(each, scene.operation.speed) for each, scene in zip(figures, found.scenes, strict=True))
     rows = [["speed [rpm]", *(f"{speed / RPM:.0f}" for speed in speeds)]]
     for column in (in_units(each, units) for each in EACH_STAGE):
@@ -242,9 +245,9 @@ def stage_lives_tables(points: Sequence[tuple[str, ChainResult]], units: Units) 
         yield from lives_table([(where, stages[k]) for where, stages in closed], title=title, units=units)
 
 
-def _motor_load(scene: Scene, found: Result) -> str:
+def _share_of_motor(scene: Scene, found: Result) -> float | None:
     motor = motor_of(scene)
-    return "" if motor is None else f"{PERCENT * found.performance.shaft_power / motor.rated_power:.0f}"
+    return None if motor is None else found.performance.shaft_power / motor.rated_power
 
 
 def between_line(chain: StageChain, found: Result, units: Units) -> Lines:
@@ -268,7 +271,8 @@ def between_line(chain: StageChain, found: Result, units: Units) -> Lines:
 
 def motor_lines(chain: StageChain, found: ChainResult, units: Units) -> Lines:
     """Yield the rating of each motor, and its load at the own point."""
-    loads = [f", {_motor_load(*each)} % of it at the point" for each in zip(found.scenes, found.stages, strict=False)]
+    loads = [_share_of_motor(*each) for each in zip(found.scenes, found.stages, strict=False)]
+    loads = ["" if share is None else machine_lines.load_in_words(share, "at the point") for share in loads]
     parts = []
     for number, (name, scene) in enumerate(chain.by_stage.items()):
         motor = motor_of(scene)

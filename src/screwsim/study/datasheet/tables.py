@@ -1,30 +1,27 @@
 """Tables of a sheet over two quantities: one per figure, part load, envelope.
 
-Also the lines and notes that sheets of several kinds share: motor, oil, limits, highest figures, warnings of points.
+Also the lines and notes that sheets of several kinds share: limits, highest figures, warnings of points.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
-from screwsim.figures import rotor_speed
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs import Result
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING
-from screwsim.study.asked.inputs import shown_value
 from screwsim.study.datasheet.bearing_lives import lives_document
-from screwsim.study.datasheet.bounds import bound_words, exceeded_bounds, limit_text, motor_of
-from screwsim.study.datasheet.columns import NONE, Column
+from screwsim.study.datasheet.bounds import exceeded_bounds, limit_text
+from screwsim.study.datasheet.columns import GAS_OUT, MIXTURE, NONE, Column
+from screwsim.study.datasheet.machine_lines import Lines, limits_in_words
 from screwsim.study.datasheet.rated import Axis, Rating
 from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
-from screwsim.study.datasheet.units import METRIC, Units
+from screwsim.study.datasheet.units import Units
 from screwsim.study.part_load import GAS, SPEED_PATH, LoadStep, PartLoad
 
 BLANK, MARK = "\u00a0", "*"
-DUTY = "oil_cooler_duty"
-Lines = Iterator[tuple[str, str]]
 TablePlace = tuple[int, int]  # indices on the axes across and down
 
 
@@ -105,16 +102,28 @@ def part_load_table(
     columns = [*main_heads(rated, main), *more]
     heads = ["control", "load %", "setting", *(head for head, _ in columns)]
     heads += ["best Vi", there] if rated.asked.ratios else []
-    rows = []
+    rows, marked = [], False
     for load in rated.loads:
         for k, step in enumerate(load.steps):
+            found = step.result
+            beyond = found.status == "ok" and bool(exceeded_bounds(found.performance, rated.asked.bounds))
+            marked |= beyond
             setting = rated.asked.shown(load.control.path, step.setting, 4)
             cells = [column.cell(step.result.performance) for _, column in columns]
             if rated.asked.ratios:
                 better = step.best.performance if step.best is not None else {}
                 cells += [NONE if step.ratio is None else f"{step.ratio:.2f}", main[2].cell(better)]
-            rows.append([load.control.name if k == 0 else "", f"{100.0 * step.load:.0f}", setting, *cells])
+            rows.append(
+                [
+                    load.control.name if k == 0 else "",
+                    f"{100.0 * step.load:.0f}{MARK if beyond else BLANK}",
+                    setting,
+                    *cells,
+                ]
+            )
     if rows:
+        note = f"{note}; {MARK} beyond a limit" if marked else note
+        rows = rows if marked else [[cell.rstrip(BLANK) for cell in row] for row in rows]
         yield Table("Part load at equal loads", heads, rows, note, left=1, across=True)
 
 
@@ -252,64 +261,24 @@ def _best_ratio(step: LoadStep, names: Sequence[str]) -> dict[str, Any]:
     return {"best_volume_ratio": {"ratio": step.ratio, **document_figures(step.best, names)}, **missed}
 
 
-def machine_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) -> Lines:
-    """Yield the displacement of the machine, and its speed."""
-    if found:
-        speed = shown_value(scene, SPEED_PATH, rotor_speed(found, scene.operation.speed))
-        yield "machine", f"{units.quantity('m3 s-1', found['displacement_flow'])} swept at {speed}"
-
-
-def power_lines(scene: Scene, found: Mapping[str, Any], units: Units, gives: bool = False) -> Lines:
-    """Yield the rating of the motor or generator, and its load at the scene's point."""
-    motor = motor_of(scene)
-    if motor is not None:
-        load = 100.0 * abs(found["shaft_power"]) / motor.rated_power if found else 0.0
-        share = f", {load:.0f} % of it at the point" if found else ""
-        yield "generator" if gives else "motor", f"{units.quantity('W', motor.rated_power)} rated at the shaft{share}"
-
-
-def oil_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) -> Lines:
-    """Yield source, flow and temperature of the oil, and the duty of its cooler."""
-    supply = scene.oil_supply
-    if supply is None:
-        return
-    text = "from a pump" if supply.pumped else "displaced by the discharge pressure"
-    if found.get("oil_flow_volume") is not None:
-        text += f", {units.quantity('L min-1', found['oil_flow_volume'])}"
-    temperature = found.get("oil_supply_temperature", supply.temperature)
-    if temperature is not None:
-        text += f" at {units.degrees(temperature, '.1f')}"
-    duty, cooled, (factor, unit) = found.get(DUTY), is_oil_cooled(scene), units.heat
-    if duty is None:
-        heat = "what warms it again" if scene.machine.expands else "the duty of its cooler"
-        yield "oil", f"{text}; {heat} is not simulated (effects.separator)"
-    elif duty < 0.0:
-        yield "oil", f"{text}; {-factor * duty:.1f} {unit} warm it again"
-    else:
-        yield "oil", f"{text}; its cooler takes {factor * duty:.1f} {unit}" if cooled else f"{text}; no cooler"
-
-
 def limit_lines(rated: Rating, figures: Sequence[str]) -> Lines:
     """Yield the limits, and the highest values of figures over the table."""
     units = rated.asked.units
-    stated = ", ".join(f"{bound_words(bound, units)} ({source})" for bound, source in rated.asked.bounds.items())
-    yield "limits", stated or "none stated (--limit 'discharge_temperature<110 degC')"
-    highest = [f"{shown_name(name)} {_highest(rated, name)}" for name in figures if _highest(rated, name)]
+    yield from limits_in_words(rated.asked.bounds, units)
+    highest = [f"{_named(rated, name)} {_highest(rated, name)}" for name in figures if _highest(rated, name)]
     if highest:
         yield "highest", f"over the table: {', '.join(highest)}"
+
+
+def _named(rated: Rating, figure: str) -> str:
+    """Return a figure's name; the temperature of the gas is that of the gas alone beside that of the mixture."""
+    alone = figure == GAS_OUT and _highest(rated, MIXTURE)
+    return f"{shown_name(figure)} of the gas alone" if alone else shown_name(figure)
 
 
 def control_line(rated: Rating) -> Lines:
     """Yield the controls of the capacity."""
     yield "control", ", ".join(control.name for control in rated.asked.controls) or "none that the scene names"
-
-
-def is_oil_cooled(scene: Scene) -> bool:
-    """Return whether heat is taken from the oil: by a cooler, or by a stated oil temperature."""
-    separator = scene.effects.get("separator")
-    supply = scene.oil_supply
-    stated = supply is not None and supply.temperature is not None
-    return separator is not None and (stated or separator.parameters.cooler is not None)
 
 
 def _highest(rated: Rating, figure: str) -> str:

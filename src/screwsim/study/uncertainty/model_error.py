@@ -49,6 +49,12 @@ def model_error(scene: Scene, performance: Mapping[str, Any]) -> dict[str, Any]:
     return {"of": scene.model_error, "citation": told["citation"], "figures": figures, "outside": outside}
 
 
+def outside_warning(model: Mapping[str, Any]) -> str:
+    """Return the warning on a model error (of `model_error`) that was not found under a scene's conditions."""
+    where = f"outside the validated range of {model['of']}"
+    return f"{where}, so the model's error may differ: {'; '.join(model['outside'])}"
+
+
 def _outside(known: Mapping[str, Any], here: Mapping[str, Any]) -> Iterator[str]:
     """Yield the conditions that differ from the validated ones, and by how much."""
     for name, value in here.items():

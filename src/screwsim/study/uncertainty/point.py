@@ -15,7 +15,7 @@ from screwsim.simulate import simulate as simulated
 from screwsim.study.asked.varied import Varied
 from screwsim.study.pool.progress import Progress
 from screwsim.study.pool.solving import solved
-from screwsim.study.uncertainty.model_error import model_error
+from screwsim.study.uncertainty.model_error import model_error, outside_warning
 from screwsim.study.uncertainty.slopes import Sensitivities, numeric_paths, scene_sensitivities
 from screwsim.study.uncertainty.spreads import (
     NO_TOLERANCE,
@@ -141,15 +141,18 @@ def with_uncertainty(scene: Scene, result: Result) -> Result:
     """Return a result with the uncertainties by its scene's tolerances, and the model error that the scene names.
 
     The result is unchanged where it has no figures, or the scene asks for neither. An input without a derivative is in
-    none of the uncertainties, and a warning says so.
+    none of the uncertainties, and a warning says so; another, where the scene lies outside the validated range.
     """
     if result.status != "ok" or not (scene.uncertain or scene.model_error):
         return result
-    told = {"model": model_error(scene, result.performance)} if scene.model_error else {}
+    model = model_error(scene, result.performance)
+    told = {"model": model} if model else {}
+    outside = [outside_warning(model)] if model and model["outside"] else []
+    warnings = (*result.warnings, *outside)
     if not scene.uncertain:
-        return replace(result, uncertainty=told)
+        return replace(result, uncertainty=told, warnings=warnings)
     found = uncertainty(scene, result=result, progress=False)
-    warnings = (*result.warnings, *not_included(found.left_out))
+    warnings = (*warnings, *not_included(found.left_out))
     return replace(result, uncertainty={**found.as_json(), **told}, warnings=warnings)
 
 
