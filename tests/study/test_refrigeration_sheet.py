@@ -149,6 +149,12 @@ def test_a_stated_limit_of_discharge_replaces_those_that_are_assumed_of_it():
     assert "assumed" not in limits_of(dry, ()).values()
 
 
+def test_no_mixture_is_assumed_of_a_scene_that_does_not_mix_gas_and_oil():
+    """Only a separator tells its temperature: a limit of it would hold at every point."""
+    scene = screwsim.load(CONFIGS / "r454b" / "point.yaml")
+    assert [bound.figure for bound in limits_of(scene, ())] == ["oil_over_dew_point"]
+
+
 def test_the_oil_of_a_viscosity_of_ten_square_millimetres_per_second_is_at_its_limit():
     """ISO VG 46 mineral oil of 6.8 mm²/s at 100 °C has 10 between 80 and 90 °C."""
     assert oil_viscosity("mineral_46", 353.15, {}) > 10e-6 > oil_viscosity("mineral_46", 363.15, {})

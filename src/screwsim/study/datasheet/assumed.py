@@ -20,7 +20,7 @@ from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet.units import Units
 
 GAS, MIXTURE, SUPPLY = "discharge_temperature", "mixture_discharge_temperature", "oil_supply_temperature"
-SUPERHEAT = "discharge_superheat"
+SUPERHEAT, SEPARATOR = "discharge_superheat", "separator"
 HOTTEST = ZERO_CELSIUS + 110.0  # [K] of gas and oil
 THINNEST = 10e-6  # [m²/s] of the oil, as it enters
 MILLIKELVIN = 3  # digits to which differences of temperatures are known
@@ -61,11 +61,14 @@ class Assumed:
 
 
 def assumed_limits(scene: Scene, stated: Iterable[Bound]) -> Iterator[Assumed]:
-    """Yield the limits assumed of a scene; a stated limit of a discharge temperature replaces those of temperatures."""
+    """Yield the limits assumed of a scene; a stated limit of a discharge temperature replaces those of temperatures.
+
+    What gas and oil have mixed, only a separator tells.
+    """
     supply = scene.oil_supply
     if supply is None or scene.oil is None or scene.machine.expands:
         return
-    if not {bound.figure for bound in stated} & {GAS, MIXTURE}:
+    if SEPARATOR in scene.effects and not {bound.figure for bound in stated} & {GAS, MIXTURE}:
         yield Assumed(MIXTURE, "mixture", "<", HOTTEST, "degrees", _mixture)
         yield Assumed("gas_over_mixture", "gas over mixture", "<", APART, "kelvin", gas_over_mixture)
     own = stated_temperature(scene)
