@@ -81,7 +81,7 @@ def test_a_refrigeration_machine_has_tons_hp_and_fahrenheit_at_every_point_and_l
         ("Cooling capacity [tons]", lambda one: one.cooling_capacity / TON, 0.1),
         ("Electrical power [hp]", lambda one: one.electrical_power / HP, 0.1),
         ("Mass flow [lb/h]", lambda one: one.gas_mass_flow / LB_H, 1.0),
-        ("Discharge temperature, the gas alone [°F]", lambda one: fahrenheit(one.discharge_temperature), 0.1),
+        ("Discharge temperature, gas and oil mixed [°F]", lambda one: fahrenheit(one.mixture_discharge_temperature), 0.1),
     ):
         cells = table(us, title)
         assert list(cells.heads) == ["condensing", "32\u00a0°F", "41\u00a0°F"]
@@ -145,7 +145,7 @@ def test_a_limit_of_any_dimension_is_in_us_units():
     for figure, value, text in (*of_rotors, *of_gas, *of_cycles):
         assert limit_text(figure, value, US) == text
     metric = {about.units for about in known().values()} - {"1", "K", "kelvin"} - set(US.other)
-    assert metric == {"s", "rad", "rad s-1", "Hz"}  # which are the same in the United States
+    assert metric == {"s", "rad", "rad s-1", "Hz", "Pa s"}  # which are the same in the United States
 
 
 def own_stages(sheet):

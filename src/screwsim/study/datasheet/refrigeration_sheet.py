@@ -5,7 +5,6 @@ cooler replaces the condenser, its pressure replaces the condensing temperature.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from itertools import zip_longest
 from typing import Any
 
 from screwsim.figures.engineering import shown_name
@@ -79,6 +78,7 @@ def _lines(rated: SceneRating, heating: bool) -> Iterator[tuple[str, str]]:
     yield from _economizer_line(rated, found)
     yield from machine_lines.power_lines(scene, found, units)
     yield from machine_lines.oil_line(scene, found, units)
+    yield from pressure_line(rated)
     yield from tables.limit_lines(rated, PEAK_FIGURES)
     yield from tables.control_line(rated)
 
@@ -201,7 +201,7 @@ def columns_of(rated: SceneRating) -> tuple[Column, ...]:
     return (
         *main_columns(rated, size),
         measured(FLOW, "Mass flow", units.mass_flow, own.get(FLOW) or 1.0),
-        *outlet_temperatures(own, rated.asked.scene.oil_supply is not None, "Discharge", units),
+        outlet_temperatures(own, rated.asked.scene.oil_supply is not None, "Discharge", units)[0],
         *duty,
         *economizer_columns(rated),
     )
@@ -239,7 +239,6 @@ def tables_of(rated: SceneRating, heating: bool) -> Iterator[Table]:
     columns = columns_of(rated)
     yield from tables.tables_of(rated, (*columns, *heating_columns(rated)) if heating else columns)
     cooled = rated.asked.down.path == GAS_COOLER_P
-    yield _pressures_table(rated)
     yield from tables.envelope_table(rated, "pressure of the gas cooler" if cooled else "")
     yield from lives_table(*tables.points_within_limits(rated, own_point(rated.asked)), units=rated.asked.units)
     load = f"{shown_name(rated.asked.aim.load)} relative to that of the scene itself, at {own_point(rated.asked)}"
@@ -249,23 +248,23 @@ def tables_of(rated: SceneRating, heating: bool) -> Iterator[Table]:
     yield from tables.part_load_table(rated, main, (discharge,), note, "COP there")
 
 
-def _pressures_table(rated: SceneRating) -> Table:
-    """Return the table of both lines' pressures at the temperatures of the axes."""
-    asked, units = rated.asked, rated.asked.units
-    suction = _pressures(rated, asked.across, 0, "suction_pressure")
-    discharge = _pressures(rated, asked.down, 1, "discharge_pressure")
-    rows = [[*low, *high] for low, high in zip_longest(suction, discharge, fillvalue=("", ""))]
-    heads = (asked.sides[0], f"suction {units.pressure.unit}", asked.sides[1], f"discharge {units.pressure.unit}")
-    return Table("Pressures of the lines, absolute", heads, rows)
+def pressure_line(rated: SceneRating) -> Iterator[tuple[str, str]]:
+    """Yield both lines' absolute pressures over the axes, as points that closed tell them."""
+    asked, unit = rated.asked, rated.asked.units.pressure
+    sides = [("suction", asked.across, 0)]
+    sides += [("discharge", asked.down, 1)] if asked.down.path != GAS_COOLER_P else []
+    words = []
+    for side, axis, place in sides:
+        found = [_told_at(rated, place, k, f"{side}_pressure") for k in range(len(axis.values))]
+        values = ", ".join(NONE if p is None else f"{unit.factor * p:#.4g}" for p in found)
+        words.append(f"{side} {values} {unit.unit}")
+    yield "pressures", f"{'; '.join(words)}: absolute, in the order of the tables"
 
 
-def _pressures(rated: SceneRating, axis: Axis, place: int, figure: str) -> Iterator[tuple[str, str]]:
-    """Yield the values of an axis and a pressure there, which the first point that closed tells; `place`: 0 across."""
-    for k, value in enumerate(axis.values):
-        closed = (each.performance for at, each in rated.points.items() if at[place] == k and each.status == "ok")
-        p = next((found.get(figure) for found in closed), None)
-        text = NONE if p is None else f"{rated.asked.units.pressure.factor * p:#.4g}"
-        yield tables.shown_at(axis, value, rated.asked.units), text
+def _told_at(rated: SceneRating, place: int, k: int, figure: str) -> float | None:
+    """Return a figure of the first point that closed at value k of an axis (`place` 0: across, 1: down)."""
+    closed = (each.performance for at, each in rated.points.items() if at[place] == k and each.status == "ok")
+    return next((found.get(figure) for found in closed), None)
 
 
 def part_load_columns(rated: Rating[Any], columns: Sequence[Column]) -> tuple[Column, Column, Column]:
