@@ -16,11 +16,12 @@ from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import OILS
 from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene import Scene
+from screwsim.study.asked.figures import figures_of
 from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet.units import Units
 
 GAS, MIXTURE, SUPPLY = "discharge_temperature", "mixture_discharge_temperature", "oil_supply_temperature"
-SUPERHEAT, SEPARATOR = "discharge_superheat", "separator"
+SUPERHEAT = "discharge_superheat"
 HOTTEST = ZERO_CELSIUS + 110.0  # [K] of gas and oil
 THINNEST = 10e-6  # [m²/s] of the oil, as it enters
 MILLIKELVIN = 3  # digits to which differences of temperatures are known
@@ -68,7 +69,7 @@ def assumed_limits(scene: Scene, stated: Iterable[Bound]) -> Iterator[Assumed]:
     supply = scene.oil_supply
     if supply is None or scene.oil is None or scene.machine.expands:
         return
-    if SEPARATOR in scene.effects and not {bound.figure for bound in stated} & {GAS, MIXTURE}:
+    if MIXTURE in figures_of(scene) and not {bound.figure for bound in stated} & {GAS, MIXTURE}:
         yield Assumed(MIXTURE, "mixture", "<", HOTTEST, "degrees", _mixture)
         yield Assumed("gas_over_mixture", "gas over mixture", "<", APART, "kelvin", gas_over_mixture)
     own = stated_temperature(scene)
