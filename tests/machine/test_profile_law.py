@@ -199,10 +199,11 @@ def test_of_many_profiles_no_more_are_kept_than_is_stated():
 @pytest.mark.parametrize(
     ("window", "told"),
     [
-        ("opens: 10 deg, closes: 50 deg", "lies before 54.84 deg, where the chamber's volume begins"),
-        ("opens: 700 deg, closes: 840 deg", "lies beyond 836.275 deg, where the chamber's volume ends"),
-        ("opens: 700 deg, closes: 901 deg", "lies beyond the chamber's life of 900 deg"),
-        ("opens: 500 deg, closes: 830 deg", None),
+        ("opens: 10 deg, closes: 50 deg", "opens: lies before 54.84 deg, where the chamber's volume begins"),
+        ("opens: 10 deg, closes: 110 deg", "opens: lies before 54.84 deg, where the chamber's volume begins"),
+        ("opens: 700 deg, closes: 840 deg", "closes: lies beyond 836.275 deg, where the chamber's volume ends"),
+        ("opens: 700 deg, closes: 901 deg", "closes: lies beyond the chamber's life of 900 deg"),
+        ("opens: 55 deg, closes: 830 deg", None),
     ],
 )
 @pytest.mark.parametrize("effect", ["oil_injection={", "economizer={temperature: 20 degC, area: 1 cm^2, "])
@@ -211,5 +212,5 @@ def test_a_port_faces_a_chamber_only_while_it_has_a_volume(effect, window, told)
     if told is None:
         assert load(CONFIGS / "b.yaml", [change])
         return
-    with pytest.raises(SceneError, match=re.escape(f".closes: {told}")):
+    with pytest.raises(SceneError, match=re.escape(f".{told}")):
         load(CONFIGS / "b.yaml", [change])

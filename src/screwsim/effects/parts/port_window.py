@@ -67,9 +67,9 @@ class CheckWithin:
         if parameters.closes > ends + 1e-9:
             what = f"lies beyond {ends / DEGREE:.6g} deg, where the chamber's volume ends (choose an earlier angle)"
             yield Fault(f"effects.{self.name}.closes", what)
-        elif parameters.closes <= born:
+        if parameters.opens < born - 1e-9:
             what = f"lies before {born / DEGREE:.6g} deg, where the chamber's volume begins (choose a later angle)"
-            yield Fault(f"effects.{self.name}.closes", what)
+            yield Fault(f"effects.{self.name}.opens", what)
 
 
 def _with_volume(geometry) -> tuple[float, float]:
