@@ -81,7 +81,11 @@ def test_a_refrigeration_machine_has_tons_hp_and_fahrenheit_at_every_point_and_l
         ("Cooling capacity [tons]", lambda one: one.cooling_capacity / TON, 0.1),
         ("Electrical power [hp]", lambda one: one.electrical_power / HP, 0.1),
         ("Mass flow [lb/h]", lambda one: one.gas_mass_flow / LB_H, 1.0),
-        ("Discharge temperature, gas and oil mixed [°F]", lambda one: fahrenheit(one.mixture_discharge_temperature), 0.1),
+        (
+            "Discharge temperature, gas and oil mixed [°F]",
+            lambda one: fahrenheit(one.mixture_discharge_temperature),
+            0.1,
+        ),
     ):
         cells = table(us, title)
         assert list(cells.heads) == ["condensing", "32\u00a0°F", "41\u00a0°F"]
