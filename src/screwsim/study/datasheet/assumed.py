@@ -26,7 +26,7 @@ HOTTEST = ZERO_CELSIUS + 110.0  # [K] of gas and oil
 THINNEST = 10e-6  # [m²/s] of the oil, as it enters
 MILLIKELVIN = 3  # digits to which differences of temperatures are known
 SOURCE = "assumed"
-ABOUT = "temperatures at discharge, oil as it enters; usual of makers, --limit states this machine's"
+ABOUT = "at discharge, and of oil as it enters; usual of makers (--limit states this machine's)"
 
 Figures = Mapping[str, Any]
 
