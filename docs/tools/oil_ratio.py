@@ -77,7 +77,8 @@ def points(machine: Machine, more: tuple[str, ...] = ()) -> Iterator[Point]:
     """Yield the points of a machine that are closed, by rising oil; of the package its bore is varied."""
     air = machine.figure == SPECIFIC
     paths = [f"oil_supply.orifice_diameter={bore} mm" for bore in BORES] if air else []
-    paths = paths or [f"oil_supply.ratio={ratio}" for ratio in RATIOS]
+    pump = "oil_supply={{kind: pump, ratio: {}, orifice_diameter: null, orifice_count: null}}"  # of pressed oil, too
+    paths = paths or [pump.format(ratio) for ratio in RATIOS]
     for path in paths:
         result = screwsim.simulate(screwsim.loads(machine.text, overrides=[path, *machine.sets, *more]))
         if result.status == "ok":

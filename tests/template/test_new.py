@@ -467,9 +467,22 @@ def test_small_ammonia_machines_have_more_oil_as_the_page_says():
     told = re.search(r"ammonia has ([\d.]+) kg/kg\s+at 100 m³/h, and ([\d.]+) at 600 m³/h", page)
     asked = ({"fluid": "Ammonia", "condition": "0/70 degC", "displacement": f"{flow} m^3/h"} for flow in (100, 600))
     assert told is not None
-    assert [scene_of("refrigeration", **each).oil_supply.ratio for each in asked] == [
-        float(each) for each in told.groups()
-    ]
+    texts = [new_scene("refrigeration", request_of(**each)) for each in asked]
+    assert [re.search(r"bores, some ([\d.]+) kg per kg", text)[1] for text in texts] == list(told.groups())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("condition", [(-25.0, 45.0), (-30.0, 20.0)])
+def test_oil_of_a_cooled_machine_cools_its_gas_where_there_is_less_gas_too(condition):
+    """The gas left at 178 °C, on oil of -5 °C, where a machine for -10/35 °C had 4 kg per kg at any condition."""
+    evaporating, condensing = condition
+    text = new_scene("refrigeration", request_of(fluid="Ammonia", condition="-10/35 degC"))
+    states = {"evaporating_temperature": evaporating, "condensing_temperature": condensing}
+    found = screwsim.simulate(screwsim.loads(text, overrides=[f"operation.{k}={v} degC" for k, v in states.items()]))
+    assert found.status == "ok"
+    p = found.performance
+    assert p.discharge_temperature - p.mixture_discharge_temperature < 15.0
+    assert p.oil_supply_temperature > condensing + 273.15
 
 
 def test_a_diameter_states_the_size_in_place_of_a_displacement():

@@ -101,6 +101,7 @@ def scene_of(plant: Plant, asked: SceneRequest, blend_of: str = "") -> str:
     values = {
         **conditions(duty, fluid),
         **_drive(fluid, _power(duty, asked), asked.motor),
+        **_supply(ratio, sizes.mm(bore, 2), cooled),
         "bore": sizes.mm(bore, 2),
         "jet": f"{1e-5 * drop:.2g} bar",
         "transport": _transport(fluid, duty, substitute),
@@ -112,7 +113,6 @@ def scene_of(plant: Plant, asked: SceneRequest, blend_of: str = "") -> str:
         "fluid": fluid,
         "two_phase": texts.two_phase(fluid, cooled),  # on cooled oil gas may condense
         "oil": oil,
-        "oil_ratio": f"{ratio:g}",
         "separator": separator,
         **_friction(asked.slide),
     }
@@ -122,6 +122,20 @@ def scene_of(plant: Plant, asked: SceneRequest, blend_of: str = "") -> str:
         values |= texts.machine(size, asked, usual, duty.p_d / duty.p_s, _slide(text, ratio))
         text = texts.filled("refrigeration", values) + texts.filled("slot", {})
     return f"{text}{_economizer(text, size)}" if asked.economizer else text
+
+
+def _supply(ratio: float, bore: str, cooled: bool) -> dict[str, str]:
+    """Return the entries of the oil's supply.
+
+    Oil that cools must not become less where the gas becomes less, as a fixed ratio would have it.
+    """
+    if not cooled:
+        return {"supply": f"kind: pump, ratio: {ratio:g}", "supplied": "Kilograms of oil per kilogram of gas."}
+    told = (
+        f"Discharge pressure pushes the oil through two bores, some {ratio:g} kg per kg of gas at this condition.\n"
+        "# Where the gas is thinner there is hardly less oil; at a fixed ratio it would no longer cool the gas.\n#"
+    )
+    return {"supply": f"kind: displacement, orifice_diameter: {bore}, orifice_count: 2", "supplied": told}
 
 
 def _friction(slide: bool) -> dict[str, str]:
