@@ -278,7 +278,7 @@ def _window(life):
 def test_an_angle_beyond_the_chambers_life_is_a_fault_of_the_scene_at_its_line(machine, life, effects, path, tmp_path):
     """The life of rotors follows from their profile."""
     scene = tmp_path / "x.yaml"
-    inside = {"base": str(CONFIGS.with_name("r134a") / f"{machine}.yaml"), "effects": effects(life - 60.0)}
+    inside = {"base": str(CONFIGS.with_name("r134a") / f"{machine}.yaml"), "effects": effects(life - 80.0)}
     scene.write_text(json.dumps(inside))
     assert build_parts(load(scene)).geometry.life == pytest.approx(math.radians(life), abs=1e-9)
     beyond = json.dumps({**inside, "effects": effects(life)}).replace('"effects"', '\n"effects"')

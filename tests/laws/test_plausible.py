@@ -143,5 +143,5 @@ def test_gas_that_leaves_more_than_30_kelvin_above_its_mixture_with_the_oil_is_t
         doubts = [doubt for ask in (_apart,) for doubt in ask(SimpleNamespace(found=found, expands=expands))]
         return "".join(doubt.words for doubt in doubts)
 
-    assert "451 degC" not in words(451.0, 348.0) and "30 K apart" in words(451.0, 348.0)
+    assert "451 degC" not in words(451.0, 348.0) and "70 K apart" in words(451.0, 348.0)
     assert words(378.0, 348.0) == words(451.0, None) == words(451.0, 348.0, expands=True) == ""
