@@ -3,7 +3,7 @@
 Makers state others for each machine. Source: of the hottest mixture the lower end of usual cut-outs, 110 to 120 °C
 (UNITEC-D, diagnostic guide "screw compressor: high discharge temperature"); of the oil, which shall be no colder than
 refrigerant condenses and have at least 10 mm²/s, LG, operation and maintenance manual of water-cooled screw chillers
-RCWW, p. 47. From which difference between gas and mixture on a result warns is stated where it does (`plausible`).
+RCWW, p. 47. A result warns of a larger difference between gas and mixture (`evaluate.plausible.APART`).
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from screwsim.evaluate.plausible import APART
 from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import OILS
 from screwsim.outputs.customary import ZERO_CELSIUS
@@ -23,6 +22,7 @@ from screwsim.study.datasheet.units import Units
 GAS, MIXTURE, SUPPLY = "discharge_temperature", "mixture_discharge_temperature", "oil_supply_temperature"
 SUPERHEAT = "discharge_superheat"
 HOTTEST = ZERO_CELSIUS + 110.0  # [K] of gas and oil
+APART = 30.0  # [K] of the gas over its mixture with the oil; below 27 K in all scenes of configs/
 THINNEST = 10e-6  # [m²/s] of the oil, as it enters
 MILLIKELVIN = 3  # digits to which differences of temperatures are known
 SOURCE = "assumed"
