@@ -4,9 +4,9 @@ A cycle may close, and balance, on values that no machine has. `scene.plausible`
 checks the figures, by the list of functions `DOUBTS`, and whether gas can enter and leave the chambers.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from screwsim.effects.base import LINES, FlowPath, HeatRate, Plenum, Wall
 from screwsim.effects.parts.usual import WAY_IN, WAY_OUT
@@ -139,10 +139,17 @@ def _hot(checked: CheckedCycle) -> Iterator[Doubt]:
         yield Doubt(f"{words} (use more or cooler oil, or a lower pressure ratio)", "discharge_temperature")
 
 
+def gas_over_mixture(found: Mapping[str, Any]) -> float | None:
+    """Return by how much [K] the gas leaves hotter than mixed with its oil; None without either."""
+    gas, mixture = (found.get(name) for name in ("discharge_temperature", "mixture_discharge_temperature"))
+    return None if gas is None or mixture is None else gas - mixture
+
+
 def _apart(checked: CheckedCycle) -> Iterator[Doubt]:
-    gas, mixture = (checked.found.get(name) for name in ("discharge_temperature", "mixture_discharge_temperature"))
-    if not (gas is None or mixture is None or gas - mixture <= APART or gas > HOTTEST or checked.expands):
-        words = f"the gas leaves at {in_celsius(gas)}, and mixed with its oil at {in_celsius(mixture)}"
+    found, over = checked.found, gas_over_mixture(checked.found)
+    if not (over is None or over <= APART or found["discharge_temperature"] > HOTTEST or checked.expands):
+        gas, mixture = (in_celsius(found[name]) for name in ("discharge_temperature", "mixture_discharge_temperature"))
+        words = f"the gas leaves at {gas}, and mixed with its oil at {mixture}"
         why = f"more than {APART:g} K apart, so that the oil hardly cools the gas"
         yield Doubt(f"{words}: {why} (use more oil, or warmer oil where gas condenses on it)")
 

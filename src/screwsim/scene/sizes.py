@@ -70,8 +70,8 @@ def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
     for _, doubts in _section_findings(scene):
         yield from doubts
     fast, known = _surface_speed(scene)
-    oiled = known.with_oil is not None and scene.oil_supply is not None
-    usual, when = (known.with_oil or known.usual, "usual with oil") if oiled else (known.usual, "usual")
+    with_oil = None if scene.oil_supply is None else known.with_oil
+    usual, when = (known.usual, "usual") if with_oil is None else (with_oil, "usual with oil")
     if fast > usual:
         yield "operation.speed", f"{_in_words(scene, fast, known)} ({when}: at most {usual:g} m/s)"
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from screwsim.evaluate.plausible import gas_over_mixture
 from screwsim.fluid.models import condenses
 from screwsim.fluid.oils import OILS
 from screwsim.outputs.customary import ZERO_CELSIUS
@@ -89,12 +90,6 @@ def stated_temperature(scene: Scene) -> float | None:
 
 def _mixture(found: Figures) -> float | None:
     return found.get(MIXTURE)
-
-
-def gas_over_mixture(found: Figures) -> float | None:
-    """Return by how much [K] the gas leaves hotter than mixed with its oil; None without either."""
-    gas, mixture = found.get(GAS), found.get(MIXTURE)
-    return None if gas is None or mixture is None else gas - mixture
 
 
 def _oil_over_dew_point(stated: float | None, found: Figures) -> float | None:
