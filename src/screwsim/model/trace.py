@@ -125,9 +125,9 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
 
 @kernel
 def heats_along(i, angles, held, ratio, P, out):
-    """Fill out with the heat [W] that effect i brings from the oil to the gas at angles [rad], from what is `held` there.
+    """Fill out with the heat [W] that effect i brings from the oil to the gas at angles [rad].
 
-    That is T, m, p, rho, V, T_oil and m_oil in a row.
+    `held` has T, m, p, rho, V, T_oil and m_oil there.
     """
     for a in range(angles.shape[0]):
         T, m, p, rho = held[a, 0], held[a, 1], held[a, 2], held[a, 3]
