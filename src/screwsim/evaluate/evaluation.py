@@ -1,29 +1,25 @@
 """A closed cycle as it is evaluated: what several readers need is computed once, on first use."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
-from screwsim.cycle.cycle_figures import (
-    CycleFigures,
-    cycle_figures,
-    lazy_pitch,
-    power_losses,
-    shaft_power,
-)
+from screwsim.cycle.cycle_figures import CycleFigures, cycle_figures, lazy_pitch
 from screwsim.cycle.feedback import LineInflow, image, turn_of
 from screwsim.cycle.held_work import missed_work
 from screwsim.cycle.pitch import Pitch
+from screwsim.cycle.powers import Powers, powers_of
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
 from screwsim.effects.base import Reading, Turn
 from screwsim.evaluate.figures import Read, figures_of
-from screwsim.evaluate.separator import Circuit, Package, circuit_of, package_residual
+from screwsim.evaluate.package import Package, package_residual
+from screwsim.evaluate.separator import Circuit, circuit_of
 from screwsim.figures import Performance
 from screwsim.model.slots import Q_HEAT, Q_WORK, R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.model.turn_scheduler import reach_station
-from screwsim.numerics.frozen import fast_init
+from screwsim.numerics.frozen import fast_init, with_changes
 from screwsim.numerics.identity_cache import once
 from screwsim.outputs import Figures
 
@@ -79,9 +75,9 @@ class Evaluation:
         return cycle_figures(self.problem, self.life, self.q, self.lazy_pitch, turn)
 
     @once
-    def losses(self) -> dict[str, float]:
-        """The power losses [W] besides the gas work."""
-        return power_losses(self.problem.parts, self.known)
+    def powers(self) -> Powers:
+        """The powers of gas, oil, losses and shaft."""
+        return powers_of(self.problem.parts, self.known)
 
     @once
     def circuit(self) -> Circuit | str | None:
@@ -110,7 +106,7 @@ class Evaluation:
     @property
     def complete(self) -> CycleFigures:
         """What a shaft may use of the cycle: the known quantities with the shaft power."""
-        return replace(self.known, shaft_power=shaft_power(self.problem.parts, self.known))
+        return with_changes(self.known, found={"shaft_power": self.powers.shaft})
 
     @property
     def least(self) -> tuple[float, float]:
@@ -154,5 +150,5 @@ def loss_torque(of: Evaluation, omega: float) -> float:
     """Return the torque [N m] of losses and oil lift at a mean speed [rad/s], from one pitch's quadratures (M213)."""
     share = omega / of.problem.parts.omega
     names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow", "leaked_oil_flow", "drag_power")
-    known = replace(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})
-    return (shaft_power(of.problem.parts, known) - known.indicated_power) / omega
+    known = with_changes(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})
+    return (powers_of(of.problem.parts, known).shaft - known.indicated_power) / omega

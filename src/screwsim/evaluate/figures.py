@@ -11,7 +11,7 @@ import numpy as np
 from screwsim.build import build_site
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import flow_past_suction_port, heat_flowing_back, outflow_dissolved_gas, outflow_of
-from screwsim.cycle.cycle_figures import brought_by_oil, oil_lift
+from screwsim.cycle.powers import brought_by_oil
 from screwsim.cycle.problem import Problem
 from screwsim.effects import having
 from screwsim.effects.base import DISCHARGE, SUCTION, Drawn, FlowPath, Given, Plenum, Separator, Turn
@@ -50,13 +50,12 @@ def figures_of(of: Evaluation) -> Read:
     delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share not returned (M163)
     sucked = suction_line.fresh_gas(problem, life.R, streams) + flow_past_suction_port(problem, life)
     flow = delivered * (sucked * rate) + 0.0  # + 0.0 turns −0 into 0
-    lift = oil_lift(parts, known) if parts.oil is not None else None
-    shaft = known.indicated_power + (lift or 0.0) + sum(of.losses.values())
+    shaft = of.powers.shaft
     reach_station()
     drawn = performance.plenum_products(parts, streams, rate)
     mean = outflow_of(streams)
     leaving = None if mean is None else mean.enthalpy
-    found: dict[str, Any] = {**of.losses, **_of_machine(of, leaving, flow)}
+    found: dict[str, Any] = {**of.powers.losses, **_of_machine(of, leaving, flow)}
     found |= {"indicated_power": known.indicated_power, "shaft_power": shaft, "shaft_torque": shaft / parts.omega}
     notes = dict(WHY_NONE)
 
@@ -68,7 +67,7 @@ def figures_of(of: Evaluation) -> Read:
     take(performance.efficiencies(parts.gas, problem.lines, problem.inlet, flow, shaft, drawn))
     reach_station()
     if parts.oil is not None:
-        found |= _of_oil(of, flow) | {"oil_lift_power": lift}
+        found |= _of_oil(of, flow) | {"oil_lift_power": of.powers.lift}
     if of.circuit is not None and parts.all(Separator):
         take(_of_circuit(problem, of.circuit))
     if parts.dissolves:

@@ -147,23 +147,18 @@ def effect_figures(given: Given, effect: str, why: str = "", finite: bool = True
 def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> Given:
     """Return the figures that effects read from the closed cycle; all other figures are known by then."""
     given: dict[str, float | str | None] = {}
-    reading = parts.all(Reading)
-    names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
-    complete = with_changes(known, **{name: found.get(name) for name in names}) if reading else known
-    for name, part in sorted(reading, key=lambda each: MOTOR_POWER not in each[1].figures):  # others may read it
+    of_motor_first = sorted(parts.all(Reading), key=lambda each: MOTOR_POWER not in each[1].figures)  # others read it
+    for name, part in of_motor_first:
         values, _ = parted(given)
-        read = part.read(with_changes(complete, motor_power=values.get(MOTOR_POWER), found={**found, **values}))
+        read = part.read(with_changes(known, found={**found, **values}))
         given |= effect_figures(read, name, finite=bool(np.isfinite(known.indicated_power)))
     return given
 
 
 def judge_readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
     """Return why effects that read the cycle reject it (empty: none does), and their warnings."""
-    judges = [part.judge for _, part in parts.all(Reading) if part.judge is not None]
-    if not judges:
-        return "", ()
-    complete = with_changes(known, shaft_power=found["shaft_power"], motor_power=found.get(MOTOR_POWER))
-    told = [judge(complete) for judge in judges]
+    complete = with_changes(known, found=found)
+    told = [part.judge(complete) for _, part in parts.all(Reading) if part.judge is not None]
     return next((why for why, _ in told if why), ""), tuple(each for _, warnings in told for each in warnings)
 
 

@@ -91,9 +91,8 @@ def _flows(
 
 def _traces_of_effects(of: Evaluation, degrees: np.ndarray) -> dict[str, np.ndarray]:
     """Return the traces that effects read of one pitch, over all angles."""
-    parts = of.problem.parts
-    known, pitch = of.known if parts.shaft is None else of.complete, math.degrees(parts.geometry.pitch)
-    found = {}
+    parts, known = of.problem.parts, of.complete
+    pitch, found = math.degrees(parts.geometry.pitch), {}
     for read in [part.traces for _, part in parts.all(Reading) if part.traces is not None]:
         for name, values in read(known).items():
             grid = np.linspace(0.0, pitch, len(values) + 1)

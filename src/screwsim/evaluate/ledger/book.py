@@ -66,10 +66,11 @@ class LedgerCycle:
 
     def __init__(self, of: Evaluation) -> None:
         self.problem, self.life, self.streams, self.known = of.problem, of.life, of.streams, of.known
+        self.powers = of.powers
         self.parts, self.lines, self.suction = of.problem.parts, of.problem.lines, of.problem.suction
         self.composition, self.R, self.rate = of.life.composition, of.life.R, of.problem.rate
         operation = of.problem.scene.operation
-        self.T_0, self.shaft_power = operation.ambient_temperature, of.figures["shaft_power"]
+        self.T_0 = operation.ambient_temperature
         delivers = of.streams[DISCHARGE_IN, OF_GAS] + of.streams[DISCHARGE_OUT, OF_GAS] < 0.0
         self.line_given = operation.discharge.temperature is not None or not delivers
         self.entries: dict[str, Entry] = {}

@@ -175,7 +175,7 @@ def _warmed_fresh_gas(cycle: LedgerCycle, met: Streams, fresh: State) -> State:
     found = fresh
     for name, part in cycle.parts.all(SuctionHeat):
         if met.fresh > 0.0:
-            heat = part.power(cycle.shaft_power, cycle.parts.omega)
+            heat = part.power(cycle.powers.shaft, cycle.parts.omega)
             after = cycle.at(cycle.suction.pressure, found.h + heat / met.fresh)
             rise = after.h - found.h - cycle.T_0 * (after.s - found.s)
             cycle.add(name, energy=heat, exergy=-met.fresh * rise)

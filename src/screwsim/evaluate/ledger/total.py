@@ -113,7 +113,7 @@ def ledger(of: Evaluation) -> Ledger:
         of_oil = oil_rise(cycle, OilSums(paths, ends, oil, met), heats[:warmed], suction)
         of_gas, of_oil = through_circuit(cycle, of, of_gas, of_oil)
     _losses(cycle)
-    return Ledger(cycle.entries, cycle.T_0, cycle.shaft_power, of_gas, of_oil)
+    return Ledger(cycle.entries, cycle.T_0, cycle.powers.shaft, of_gas, of_oil)
 
 
 def _intake_state(cycle: LedgerCycle) -> State:
