@@ -174,7 +174,7 @@ class Problem:
 
     def gas_share(self, rho: Any, ratio: Any) -> Any:
         """Return the gas's share of a volume at ρ [kg/m³] and oil per gas, or arrays; 1 without room for oil (M106)."""
-        return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
+        return 1.0 / self.parts.volume_over_gas(rho, ratio)
 
     def gas_mass(self, rho: Any, ratio: Any, volume: Any) -> Any:
         """Return the gas [kg] at ρ [kg/m³] in a volume [m³] that it shares with oil (M106)."""

@@ -19,7 +19,7 @@ from screwsim.evaluate.performance import NONE_DELIVERED, NONE_LEAVES
 from screwsim.evaluate.separator import Circuit
 from screwsim.fluid import water
 from screwsim.fluid.moist_air import DRIEST, MoistAir
-from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, R_TRAPPED
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, R_TRAPPED, S_RHO, S_T, S_X_OIL
 from screwsim.outputs.customary import HOUR, celsius, in_celsius
 
 if TYPE_CHECKING:
@@ -118,17 +118,16 @@ def chamber_share(of: Evaluation, gas: MoistAir, below: float = np.inf) -> float
     """Return the largest liquid share of a chamber's trapped water, where it is colder than `below` [K] (M327)."""
     problem, life = of.problem, of.life
     angles = np.arange(0.0, problem.parts.geometry.life, STEP)
-    states, oil, trapped = life.states_at(angles), problem.parts.oil, float(life.R[R_TRAPPED])
+    states, carried, trapped = life.states_at(angles), problem.composition.carried, float(life.R[R_TRAPPED])
     most = 0.0
     for angle, state in zip(angles.tolist(), states, strict=True):
-        T, rho = float(state[0]), float(state[1])
+        T, rho = float(state[S_T]), float(state[S_RHO])
         if T >= below:
             continue
         liquid = gas.liquid_share(T, rho)
         if liquid > 0.0:
-            roomed = problem.composition.oil_room and oil is not None
-            room = 1.0 + float(state[3]) * rho / oil.density if roomed and oil is not None else 1.0
-            most = max(most, liquid * rho * life.volume(angle) / room)
+            ratio = float(state[S_X_OIL]) if carried else 0.0
+            most = max(most, liquid * rho * life.volume(angle) / problem.parts.volume_over_gas(rho, ratio))
     return min(most / (gas.share * trapped), 1.0) if trapped > 0.0 else 0.0
 
 

@@ -56,9 +56,8 @@ def _contents(
 ) -> dict[str, np.ndarray]:
     """Return temperatures and masses of what a chamber holds: gas, oil, and gas dissolved in the oil."""
     life, c, parts = of.life, of.life.composition, of.problem.parts
-    found = {"gas_temperature": states["T"], "gas_mass": states["rho"] * volume}
-    if c.oil_room and parts.oil is not None:
-        found["gas_mass"] /= 1.0 + states["x_oil"] * states["rho"] / parts.oil.density
+    mass = states["rho"] * volume / parts.volume_over_gas(states["rho"], states.get("x_oil", 0.0))
+    found = {"gas_temperature": states["T"], "gas_mass": mass}
     if "T_oil" in c.states:
         present = c.carried | (degrees >= math.degrees(parts.geometry.injection_angle))
         ratio = states["x_oil"] if c.carried else np.where(present, float(life.R[R_RATIO]), 0.0)
