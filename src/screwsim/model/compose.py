@@ -123,7 +123,7 @@ def _network(parts: Parts) -> Network:
     names, held = tuple(part.name for part in own), (HELD_GAS,) if parts.dissolves else ()
     states = ("T", "rho", *(("T_oil",) if heated else ()), *(("x_oil",) if carried else ()), *held, *names)
     network = Network(states, names, heated, carried, parts.dissolves, parts.oil_room)
-    network.varies, network.supplied, network.pumped = parts.gas.varies, oil is not None, parts.pumped
+    network.varies, network.supplied = parts.gas.varies, oil is not None
     network.positive = tuple(part.positive for part in own)
     network.cells = [*(f"{name}_line" for name in LINES), "", *(identifier(name) for name in parts.plenums)]
     network.offsets = sorted({path.offset for _, path in parts.gaps})
