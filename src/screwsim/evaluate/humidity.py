@@ -110,7 +110,7 @@ def _discharge_flow(of: Evaluation) -> float:
         return of.circuit.outflow.gas_flow
     problem, life, streams = of.problem, of.life, of.streams
     leak = suction_line.leak(problem, life.R).gas
-    returned = problem.suction.returned * suction_line.fresh_gas(problem, life.R, streams)
+    returned = problem.suction.returned * of.fresh_gas
     return problem.rate * (-float(streams[DISCHARGE_IN, OF_GAS] + streams[DISCHARGE_OUT, OF_GAS]) - leak - returned)
 
 

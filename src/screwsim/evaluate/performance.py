@@ -12,22 +12,18 @@ import numpy as np
 
 from screwsim.cycle.cycle_figures import CycleFigures
 from screwsim.cycle.problem import Inlet, Problem
-from screwsim.effects.base import Given, Plenum, Reading
+from screwsim.effects.base import Given, Reading
 from screwsim.fluid import constants
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.models import condenses
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.faults import UsageError, checked_own_number
 from screwsim.model.parts import Parts
-from screwsim.model.slots import OF_GAS
 from screwsim.numerics.frozen import with_changes
 from screwsim.scene.lines import Lines, suction_enthalpy
 from screwsim.scene.types import Scene
 
 WET = "the intake is wet"
-Array = np.ndarray
-
-
 MOTOR_POWER = "motor_power"
 NO_POWER = "the shaft power is not positive"
 NONE_LEAVES = "nothing flows out to the discharge line"
@@ -74,13 +70,6 @@ def parted(given: Given) -> tuple[dict[str, Any], dict[str, str]]:
     """Return figures with None in place of each text, and these texts: the reasons why there is no value."""
     reasons = {name: value for name, value in given.items() if isinstance(value, str)}
     return {**given, **dict.fromkeys(reasons)}, reasons
-
-
-def plenum_products(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
-    """Return the net flow [kg/s] and state of each own plenum whose gas is a product."""
-    products = {part.name for _, part in parts.all(Plenum) if part.product}
-    rows = ((2 * parts.number(name), state) for name, state in parts.plenums.items() if name in products)
-    return [(float(streams[i, OF_GAS] + streams[i + 1, OF_GAS]) * rate, state) for i, state in rows]
 
 
 def refrigeration(found: Mapping[str, Any], rho_s: float, effect: float | None) -> Given:

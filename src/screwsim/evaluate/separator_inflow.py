@@ -70,7 +70,7 @@ class MachineStreams:
         self.parts, self.composition, self.rate = of.problem.parts, of.problem.composition, of.problem.rate
         self.rows = self.rate * of.streams
         self.leak = np.array(suction_line.leak(of.problem, self.R).times(self.rate))
-        self.fresh_gas = suction_line.fresh_gas(of.problem, self.R, of.streams) * self.rate
+        self.fresh_gas = of.fresh_gas * self.rate
         P, at_port = self.composition.P, oil_places(self.parts)["P_H_PORT"]
         self.T_oil = float(P[at_port]) if self.composition.ported else incoming_oil_temperature(of.problem, self.R)
 

@@ -100,9 +100,9 @@ class Structure:
         """Index, among the quadratures, of the first of the streams' sums."""
         return self.all_met.stop + self.pushes
 
-    def stream(self, category: int, quantity: int = OF_GAS) -> int:
-        """Return the quadrature of a quantity of a stream (`slots`: SUCTION_IN …, OF_GAS …)."""
-        return self.first_stream + self.width * category + quantity
+    def stream(self, category: int) -> int:
+        """Return the quadrature of the gas of a stream (`slots.SUCTION_IN` …)."""
+        return self.first_stream + self.width * category + OF_GAS
 
     @property
     def n_quadratures(self) -> int:

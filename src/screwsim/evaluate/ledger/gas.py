@@ -49,7 +49,7 @@ def gas_rise(cycle: LedgerCycle, suction: State, line: State, discharge: State) 
     if cycle.line_given:
         heat = back * (discharge.h - line.h)
         cycle.add(DISCHARGE_LINE, energy=heat, exergy=back * (exergy(discharge) - exergy(line)))
-    return -(out + back) * exergy(discharge) - sum(net * exergy(own) for net, own in cycle.drawn())
+    return -(out + back) * exergy(discharge) - cycle.from_plenums(exergy)
 
 
 class Throttled(NamedTuple):
@@ -76,7 +76,7 @@ def enter_intake(cycle: LedgerCycle, of_gas: float, discharge: State) -> float:
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttles (M163)."""
     intake, T_s = cycle.suction, cycle.lines.T_s
     h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
-    flow, exergy = suction_line.fresh_gas(cycle.problem, cycle.R, cycle.streams) * cycle.rate, cycle.exergy
+    flow, exergy = cycle.of.fresh_gas * cycle.rate, cycle.exergy
     line, mixed, port = (
         exergy(cycle.state(intake.temperature(port_state, T_s), port_state[slots.DENSITY], port_state[slots.ENTHALPY]))
         for port_state in (intake.line, intake.mixed(h_d), intake.port_state(h_d))
@@ -136,8 +136,7 @@ def line_streams(cycle: LedgerCycle, paths: Rows) -> Streams:
     T_back = back.oil_heat / back.oil if back.oil > 0.0 else 0.0
     T_leak = float(R[slots.R_DISCHARGE + slots.OIL_TEMPERATURE]) - pressed
     T_sucked = float(R[slots.R_SUCTION + slots.OIL_TEMPERATURE]) - pressed
-    fresh = rate * suction_line.fresh_gas(problem, R, cycle.streams)
-    return Streams(fresh, back, leak, sucked, T_back, T_leak, T_sucked)
+    return Streams(rate * cycle.of.fresh_gas, back, leak, sucked, T_back, T_leak, T_sucked)
 
 
 def mean_back(cycle: LedgerCycle, met: Streams, sucked: State) -> State:

@@ -244,9 +244,7 @@ def through_circuit(cycle: LedgerCycle, of: Evaluation, of_gas: float, of_oil: f
     gas = outflow.gas
     left = cycle.state(T, gas.density(outflow.p, T), gas.enthalpy(outflow.p, T))
     flashing = "" if cycle.parts.oil_gas is None else cycle.parts.oil_gas.plenum
-    others = zip(cycle.parts.plenums, cycle.drawn(), strict=True)
-    drawn = sum(net * exergy(own) for name, (net, own) in others if name != flashing)
-    of_parted = outflow.gas_flow * exergy(left) - drawn
+    of_parted = outflow.gas_flow * exergy(left) - cycle.from_plenums(exergy, flashing)
     cooled = outflow.oil_capacity * (T - outflow.T_supply - T_0 * log(T / outflow.T_supply))
     heat = outflow.heating + outflow.friction - parted.lost_friction - parted.ambient_loss
     cycle.add(names[0], gas=outflow.gas_flow, energy=heat, exergy=of_gas + of_oil - of_parted - cooled)

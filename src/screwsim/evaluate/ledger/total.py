@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.cycle.balances import outflow_of
 from screwsim.effects.base import DISCHARGE, SUCTION, PowerLoss, Reading
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger import gas
@@ -82,8 +81,7 @@ def ledger(of: Evaluation) -> Ledger:
     cycle, R = LedgerCycle(of), of.life.R
     suction = _intake_state(cycle)
     line = cycle.at(cycle.lines.p_d, float(R[R_DISCHARGE + ENTHALPY]))
-    mean = outflow_of(cycle.streams)
-    discharge = line if mean is None else cycle.at(cycle.lines.p_d, mean.enthalpy)
+    discharge = line if of.outflow is None else cycle.at(cycle.lines.p_d, of.outflow.enthalpy)
     sucked, given = cycle.behind(SUCTION, suction), cycle.behind(DISCHARGE, discharge)
     reach_station()
     moved, heats, oil = (cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind(DISCHARGE, line).s))
