@@ -20,13 +20,14 @@ from screwsim.cycle.pitch import Pitch
 from screwsim.cycle.powers import Powers, powers_of
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
+from screwsim.cycle.suction_line import Stream
 from screwsim.effects.base import SUCTION, Plenum, Reading, Turn
 from screwsim.evaluate.figures import Read, figures_of
 from screwsim.evaluate.package import Package, package_residual
 from screwsim.evaluate.separator import Circuit, circuit_of
 from screwsim.figures import Performance
 from screwsim.fluid.reservoir import Reservoir
-from screwsim.model.slots import FIRST_OWN, OF_GAS, Q_HEAT, Q_WORK, R_INJECTED, R_TRAPPED
+from screwsim.model.slots import ENTHALPY, FIRST_OWN, OF_GAS, Q_HEAT, Q_WORK, R_DISCHARGE, R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.model.turn_scheduler import reach_station
 from screwsim.numerics.frozen import fast_init, with_changes
@@ -64,6 +65,16 @@ class Evaluation:
     def fresh_gas(self) -> float:
         """The net gas [kg] that the suction line takes in per life, by the flows through its ports."""
         return suction_line.fresh_gas(self.problem, self.life.R, self.streams)
+
+    @once
+    def leak(self) -> Stream:
+        """The leak from the discharge to the suction line beside the chambers, per life (M274)."""
+        return suction_line.leak(self.problem, self.life.R)
+
+    @property
+    def h_d(self) -> float:
+        """The enthalpy [J/kg] of the gas in the discharge line."""
+        return float(self.life.R[R_DISCHARGE + ENTHALPY])
 
     @once
     def gas_flow(self) -> float:

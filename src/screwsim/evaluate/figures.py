@@ -164,21 +164,18 @@ def _of_oil(of: Evaluation) -> dict[str, float | None]:
 
 def _intake_temperature(of: Evaluation) -> float:
     """Return the temperature [K] of the gas at the suction port, the line's own where nothing changes it."""
-    problem, life, suction = of.problem, of.life, of.problem.suction
+    problem, suction = of.problem, of.problem.suction
     if problem.parts.suction_line:
-        return problem.parts.gas.temperature(suction.pressure, float(life.R[slots.R_SUCTION + slots.ENTHALPY]))
-    return suction.temperature(suction.port_state(float(life.R[slots.R_DISCHARGE + slots.ENTHALPY])), problem.lines.T_s)
+        return problem.parts.gas.temperature(suction.pressure, float(of.life.R[slots.R_SUCTION + slots.ENTHALPY]))
+    return suction.temperature(suction.port_state(of.h_d), problem.lines.T_s)
 
 
 def _of_suction_line(of: Evaluation) -> dict[str, float]:
     """Return the flows back to the suction line, and the leaks to it that bypass the chambers (M270, M274)."""
     problem, rate, R = of.problem, of.problem.rate, of.life.R
-    back, leak = suction_line.backflow(problem, R, of.streams), suction_line.leak(problem, R)
+    back, leak = suction_line.backflow(problem, R, of.streams), of.leak
     heat = suction_line.suction_heat(problem, of.powers.shaft)
-    warmed = (
-        float(R[slots.R_SUCTION + slots.ENTHALPY])
-        - problem.suction.port_state(float(R[slots.R_DISCHARGE + slots.ENTHALPY]))[slots.ENTHALPY]
-    )
+    warmed = float(R[slots.R_SUCTION + slots.ENTHALPY]) - problem.suction.port_state(of.h_d)[slots.ENTHALPY]
     return {
         "returned_gas_flow": back.gas * rate,
         "returned_oil_flow": back.oil * rate,

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from screwsim.build import package_of
-from screwsim.cycle import suction_line
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Given
 from screwsim.evaluate.performance import NONE_DELIVERED, NONE_LEAVES
@@ -108,10 +107,11 @@ def _discharge_flow(of: Evaluation) -> float:
     """Return the net flow to the discharge line [kg/s], by the flows through its ports."""
     if isinstance(of.circuit, Circuit):
         return of.circuit.outflow.gas_flow
-    problem, life, streams = of.problem, of.life, of.streams
-    leak = suction_line.leak(problem, life.R).gas
+    problem, streams = of.problem, of.streams
     returned = problem.suction.returned * of.fresh_gas
-    return problem.rate * (-float(streams[DISCHARGE_IN, OF_GAS] + streams[DISCHARGE_OUT, OF_GAS]) - leak - returned)
+    return problem.rate * (
+        -float(streams[DISCHARGE_IN, OF_GAS] + streams[DISCHARGE_OUT, OF_GAS]) - of.leak.gas - returned
+    )
 
 
 def chamber_share(of: Evaluation, gas: MoistAir, below: float = np.inf) -> float:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from screwsim.cycle import suction_line
 from screwsim.cycle.balances import incoming_oil_temperature, walls_of
 from screwsim.cycle.powers import brought_by_oil
 from screwsim.effects.base import DISCHARGE, SUCTION, OilSolution, PowerLoss
@@ -66,17 +65,16 @@ class MachineStreams:
     """
 
     def __init__(self, of: Evaluation) -> None:
-        self.problem, self.q, self.R = of.problem, of.q, of.life.R
-        self.parts, self.composition, self.rate = of.problem.parts, of.problem.composition, of.problem.rate
-        self.rows = self.rate * of.streams
-        self.leak = np.array(suction_line.leak(of.problem, self.R).times(self.rate))
-        self.fresh_gas = of.fresh_gas * self.rate
-        P, at_port = self.composition.P, oil_places(self.parts)["P_H_PORT"]
-        self.T_oil = float(P[at_port]) if self.composition.ported else incoming_oil_temperature(of.problem, self.R)
+        self.of, self.parts, self.composition, self.rate = of, of.problem.parts, of.problem.composition, of.problem.rate
+        self.rows, self.leak = self.rate * of.streams, np.array(of.leak.times(self.rate))
+        if self.composition.ported:
+            self.T_oil = float(self.composition.P[oil_places(self.parts)["P_H_PORT"]])
+        else:
+            self.T_oil = incoming_oil_temperature(of.problem, of.life.R)
 
     def gas_heat(self, row: Array) -> float:
         """Return the heat [W] of the gas of a stream."""
-        return float(row[slots.OF_ENERGY] - self.problem.inlet.enthalpy * row[slots.OF_GAS])
+        return float(row[slots.OF_ENERGY] - self.of.problem.inlet.enthalpy * row[slots.OF_GAS])
 
     def oil_heat(self, rows: Array) -> float:
         """Return the heat [W] of the oil of one stream or several."""
@@ -104,7 +102,7 @@ class MachineStreams:
     def _oil_heat_into_chambers(self) -> float:
         """Return the heat [W] that oil brings to the chambers, net; with transport: paper what it gives to the gas."""
         if not self.composition.carried:
-            return self.rate * float(self.q[slots.Q_HEAT])
+            return self.rate * float(self.of.q[slots.Q_HEAT])
         others = [slots.BETWEEN, slots.PORT_OIL]
         others += [slots.SUCTION_IN, slots.SUCTION_OUT] if self.oil_comes_back else []
         return self.oil_heat(self.rows[[row for row in range(len(self.rows)) if row not in others]])
@@ -112,9 +110,8 @@ class MachineStreams:
     @property
     def returned(self) -> Flow:
         """The gas that a bypass returns from the discharge line to suction (M161)."""
-        gas = self.problem.suction.returned * self.fresh_gas
-        h_d = float(self.R[slots.R_DISCHARGE + slots.ENTHALPY])
-        return Flow(gas, gas * (h_d - self.problem.inlet.enthalpy))
+        gas = self.of.problem.suction.returned * (self.of.fresh_gas * self.rate)
+        return Flow(gas, gas * (self.of.h_d - self.of.problem.inlet.enthalpy))
 
     @property
     def absorbed(self) -> Flow:
@@ -131,15 +128,15 @@ class MachineStreams:
             return Flow()
         held = self.rows[:, slots.OF_HELD]
         gas = float(self.leak[slots.OF_HELD]) - float(held[slots.SUCTION_IN] + held[slots.SUCTION_OUT])
-        return Flow(gas, gas * (content.enthalpy - self.problem.inlet.enthalpy))
+        return Flow(gas, gas * (content.enthalpy - self.of.problem.inlet.enthalpy))
 
     @property
     def supplied(self) -> float:
         """The power [W] that enters the chambers: work, heat of walls, of gas and oil from elsewhere (M285)."""
-        found = self.net_from(SUCTION).heat - self.returned.heat + self.rate * float(self.q[slots.Q_WORK])
+        found = self.net_from(SUCTION).heat - self.returned.heat + self.rate * float(self.of.q[slots.Q_WORK])
         flashing = None if self.parts.oil_gas is None else self.parts.oil_gas.plenum
         found += sum(self.net_from(name).heat for name in self.parts.plenums if name != flashing)
-        found += self.rate * float(walls_of(self.composition, self.q)[:, 0].sum())
+        found += self.rate * float(walls_of(self.composition, self.of.q)[:, 0].sum())
         suction = self.rows[slots.SUCTION_IN] + self.rows[slots.SUCTION_OUT]
         of_oil = self.oil_heat(suction) if self.oil_comes_back else 0.0
         found += of_oil - self.oil_heat(self.leak) - self.gas_heat(self.leak)

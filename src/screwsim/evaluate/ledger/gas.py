@@ -14,7 +14,6 @@ from functools import partial
 from math import log
 from typing import NamedTuple
 
-from screwsim.cycle import suction_line
 from screwsim.cycle.cycle_figures import chamber_end_pressure
 from screwsim.cycle.suction_line import Stream
 from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilSolution, Pulsation, SuctionChange, SuctionHeat
@@ -75,7 +74,7 @@ def enter_pulsations(cycle: LedgerCycle, of_lines: Mapping[str, Throttled]) -> N
 def enter_intake(cycle: LedgerCycle, of_gas: float, discharge: State) -> float:
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttles (M163)."""
     intake, T_s = cycle.suction, cycle.lines.T_s
-    h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
+    h_d = cycle.of.h_d
     flow, exergy = cycle.of.fresh_gas * cycle.rate, cycle.exergy
     line, mixed, port = (
         exergy(cycle.state(intake.temperature(port_state, T_s), port_state[slots.DENSITY], port_state[slots.ENTHALPY]))
@@ -130,7 +129,7 @@ def line_streams(cycle: LedgerCycle, paths: Rows) -> Streams:
     rows = [row for row, end in zip(paths, cycle.composition.ends, strict=True) if end == SUCTION]
     columns = (kernels.OUT_MASS, kernels.OUT_ENTHALPY, kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_HELD)
     back = Stream(*(sum(row[column] for row in rows) for column in columns))
-    leak = suction_line.leak(problem, R).times(rate)
+    leak = cycle.of.leak.times(rate)
     sucked = Stream(*cycle.streams[slots.SUCTION_IN].tolist()).times(rate)
     pressed = problem.oil_pressure_term(problem.suction.pressure)
     T_back = back.oil_heat / back.oil if back.oil > 0.0 else 0.0
@@ -155,7 +154,7 @@ def enter_line(
     `states`: the sucked gas at the pressure before the port, the same at the chambers' end, and the backflow.
     """
     (before, sucked, back), exergy = states, cycle.exergy
-    h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
+    h_d = cycle.of.h_d
     p = cycle.suction.pressure
     fresh, leaked = cycle.at(p, cycle.suction.port_state(h_d)[slots.ENTHALPY]), cycle.at(p, h_d)
     warmed = _warmed_fresh_gas(cycle, met, fresh)

@@ -16,7 +16,7 @@ from screwsim.evaluate.ledger import gas
 from screwsim.evaluate.ledger.book import Entry, LedgerCycle, State
 from screwsim.evaluate.ledger.oil import OilSums, cool_at_lines, oil_rise, through_circuit
 from screwsim.inputs.faults import checked_own_number
-from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
+from screwsim.model.slots import DENSITY, ENTHALPY, R_SUCTION
 from screwsim.model.turn_scheduler import reach_station
 from screwsim.outputs import Figures
 
@@ -78,9 +78,9 @@ class Ledger:
 
 def ledger(of: Evaluation) -> Ledger:
     """Return the ledger of a closed cycle's shaft power (contract: ledger)."""
-    cycle, R = LedgerCycle(of), of.life.R
+    cycle = LedgerCycle(of)
     suction = _intake_state(cycle)
-    line = cycle.at(cycle.lines.p_d, float(R[R_DISCHARGE + ENTHALPY]))
+    line = cycle.at(cycle.lines.p_d, of.h_d)
     discharge = line if of.outflow is None else cycle.at(cycle.lines.p_d, of.outflow.enthalpy)
     sucked, given = cycle.behind(SUCTION, suction), cycle.behind(DISCHARGE, discharge)
     reach_station()
@@ -119,7 +119,7 @@ def _intake_state(cycle: LedgerCycle) -> State:
     h, rho = (float(cycle.R[R_SUCTION + at]) for at in (ENTHALPY, DENSITY))
     if cycle.parts.suction_line or cycle.parts.arriving_oil:  # oil that takes room is in the line's own density
         return cycle.at(cycle.suction.pressure, h)
-    port_state = cycle.suction.port_state(float(cycle.R[R_DISCHARGE + ENTHALPY]))
+    port_state = cycle.suction.port_state(cycle.of.h_d)
     return cycle.state(cycle.suction.temperature(port_state, cycle.lines.T_s), rho, h)
 
 
