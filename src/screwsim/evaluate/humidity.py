@@ -119,14 +119,11 @@ def chamber_share(of: Evaluation, gas: MoistAir, below: float = np.inf) -> float
     problem, life = of.problem, of.life
     angles = np.arange(0.0, problem.parts.geometry.life, STEP)
     states, carried, trapped = life.states_at(angles), problem.composition.carried, float(life.R[R_TRAPPED])
-    most = 0.0
-    for angle, state in zip(angles.tolist(), states, strict=True):
-        T, rho = float(state[S_T]), float(state[S_RHO])
-        if T >= below:
-            continue
-        liquid = gas.liquid_share(T, rho)
+    wet, most = np.flatnonzero((life.phases(states) != 0) & (states[:, S_T] < below)), 0.0
+    for angle, state in zip(angles[wet].tolist(), states[wet].tolist(), strict=True):
+        rho, ratio = state[S_RHO], state[S_X_OIL] if carried else 0.0
+        liquid = gas.liquid_share(state[S_T], rho)
         if liquid > 0.0:
-            ratio = float(state[S_X_OIL]) if carried else 0.0
             most = max(most, liquid * rho * life.volume(angle) / problem.parts.volume_over_gas(rho, ratio))
     return min(most / (gas.share * trapped), 1.0) if trapped > 0.0 else 0.0
 
