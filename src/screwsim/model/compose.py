@@ -40,7 +40,7 @@ def compose(parts: Parts) -> Composition:
     _write(writer, parts, law)
     numbers = writer.numbers
     places, oil = tuple(numbers.places.items()), tuple(oil_places(parts).items())
-    structure = structure_of(network.key(), tuple(writer.text), tuple(writer.kernels), places, oil)
+    structure = structure_of(network.key(), tuple(writer.text), places, oil)
     return Composition(
         **{each.name: getattr(structure, each.name) for each in fields(Structure)},
         P=np.array(numbers.values),
@@ -65,14 +65,12 @@ def compose(parts: Parts) -> Composition:
 def structure_of(
     key: tuple[Any, ...],
     own: tuple[str, ...],
-    called: tuple[Kernel, ...],
     places: tuple[tuple[str, int], ...],
     oil: tuple[tuple[str, int], ...],
 ) -> Structure:
     """Return the texts and the layout of a network, given by its key.
 
-    `own` and `called` are the texts and kernels that the parts wrote, `places` the indices of numbers in P, `oil`
-    those of the oil's.
+    `own` are the texts that the parts wrote, `places` the indices of numbers in P, `oil` those of the oil's.
     """
     network = Network(*key)
     cell, layout = Cell(network), Layout(network)
@@ -83,8 +81,8 @@ def structure_of(
     items, numbers = tuple(constants.items()), tuple(structure.items())
     positive = dict(zip(network.own_states, network.positive, strict=True)) | {HELD_GAS: False}
     return Structure(
-        text=module_text(key, own, called, items, numbers, _read_with(network)),
-        together=lambda: module_text(key, own, called, items, numbers, together=True),
+        text=module_text(key, own, items, numbers, _read_with(network)),
+        together=lambda: module_text(key, own, items, numbers, together=True),
         states=network.states,
         ports=tuple(each.effect for each in network.ports),
         gaps=tuple((each.effect, network.offsets[each.side]) for each in network.gaps),

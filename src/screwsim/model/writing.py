@@ -40,7 +40,6 @@ class ModelWriter:
         self.numbers = Numbers(list(head))
         self.made = {name: self.numbers.add(value, name, of=(made, name)) for name, value in made.items()}
         self.symbols = symbols
-        self.kernels: list[Kernel] = []
         self.text: list[str] = []
         self.speed_curve: int | None = None  # its index in P (speed.slowness)
         self.network = network
@@ -61,7 +60,6 @@ class ModelWriter:
         factors, unknowns of the cycle, or symbols of the scene. The text names numbers after what they are
         `of`, or after the kernel's module.
         """
-        self.kernels.append(kernel.plain)
         self.network.kernels[kernel.flat_name] = kernel.plain
         arguments, whose = [], of or kernel.flat_name.partition("__")[0]
         for name in kernel.arguments:
@@ -151,7 +149,7 @@ def write_pulsations(writer: ModelWriter, parts: Parts) -> None:
     """Write the relative offset and harmonics of each pulsating line's pressure (M185)."""
     if not parts.pulsations:
         return
-    writer.kernels.append(pulsation.harmonics)
+    writer.network.kernels[pulsation.harmonics.flat_name] = pulsation.harmonics
     calls = [""] * 2
     for part in parts.pulsations:
         offset, first = made(writer, part.offset), made(writer, part.harmonics[0])
@@ -213,7 +211,6 @@ def write_speed(writer: ModelWriter, pitch: float) -> None:
     start = writer.speed_curve = len(writer.numbers.values) + 1
     curve = writer.numbers.add(float(start), "speed_curve", structural=True)
     writer.numbers.values.extend(flat_curve(pitch).tolist())
-    writer.kernels.append(slowness)
     writer.network.kernels[slowness.flat_name] = slowness
     writer.network.slow = f"{slowness.flat_name}(phi, P[P_PITCH], {curve}, P)"
 
