@@ -127,14 +127,14 @@ def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]
 def _computed(found: SizedMachine) -> str:
     """Return what the machine gives and takes, in words."""
     p, scene = found.result.performance, found.scene
-    package, expands = DELIVERED in p, scene.machine.mode == "expander"
+    package, expands = DELIVERED in p, scene.machine.expands
     words = _package_in_words if package else _plant_in_words if COOLS in p else _gas_in_words
     gives, takes = words(found)
     power = p.shaft_power
     load = abs(power) / _rated_power(scene)
     beyond = beyond_rating(load)
-    drive = "generator" if expands else "motor"
-    carried = f"{100.0 * load:.0f} % of a {drive} of {1e-3 * _rated_power(scene):g} kW{f', {beyond}' if beyond else ''}"
+    drive = "a generator" if expands else "a motor"
+    carried = f"{100.0 * load:.0f} % of {drive} of {1e-3 * _rated_power(scene):g} kW{f', {beyond}' if beyond else ''}"
     return f"computed: {gives}, {'gives' if expands else 'takes'} {_power(power)} at the shaft ({carried}), {takes}"
 
 
@@ -188,7 +188,7 @@ def _assumed(asked: SceneRequest, scene: Scene, p: Figures) -> Iterator[str]:
     elif COOLS in p:
         yield "losses fitted to similar machines"
     else:
-        expands = scene.machine.mode == "expander"
+        expands = scene.machine.expands
         yield "friction as a share of the indicated power" if expands else "bearings and oil films by their laws"
 
 
@@ -205,9 +205,9 @@ def _assumed_of_package(asked: SceneRequest, scene: Scene) -> Iterator[str]:
 
 def _gas_in_words(found: SizedMachine) -> tuple[str, str]:
     """Return, in words, the flow of a gas compressor or an expander, and its electrical power and efficiency."""
-    p, expands = found.result.performance, found.scene.machine.mode == "expander"
+    p, expands = found.result.performance, found.scene.machine.expands
     gives = f"{'expands' if expands else 'compresses'} {figure_text('gas_mass_flow', p.gas_mass_flow)}"
-    takes = f"{_power(p.electrical_power)} with its {'generator' if expands else 'motor'}"
+    takes = f"{_power(p.electrical_power)} {'at its generator' if expands else 'with its motor'}"
     return gives, f"{takes}, isentropic efficiency {100.0 * p.isentropic_efficiency:.3g} %"
 
 
