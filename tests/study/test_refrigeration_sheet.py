@@ -280,7 +280,8 @@ def test_the_how_to_shows_what_the_command_prints(sheet):
 def test_limits_are_marked_and_warnings_reach_the_sheet(sheet):
     (power,) = (table for table in sheet.tables if table.title.startswith("Electrical power"))
     assert power.rows[0][1].endswith("\u00a0") and "*" in power.rows[2][2]
-    assert power.note == "beyond a limit: * shaft power < 50 kW, † discharge temperature < 72 °C"
+    assert sheet.tables[0].note == "beyond a limit: * shaft power < 50 kW, † discharge temperature < 72 °C"
+    assert power.note == "marks: as above"
     assert "discharge temperature < 72 °C (--limit)" in dict(sheet.lines)["limits"]
     alike = list(warning_lines([("a", ["3 K too warm", "odd"]), ("b", ["5 K too warm"]), ("c", ["3 K too warm"])]))
     assert alike == ["a: 3 K too warm (the same at b, c)", "a: odd"]

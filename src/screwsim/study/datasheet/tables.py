@@ -22,6 +22,7 @@ from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
 from screwsim.study.datasheet.units import Units
 from screwsim.study.part_load import GAS, SPEED_PATH, LoadStep, PartLoad
 
+AS_ABOVE = "marks: as above"
 TablePlace = tuple[int, int]  # indices on the axes across and down
 
 
@@ -76,10 +77,10 @@ def tables_of(rated: Rating, columns: Sequence[Column]) -> Iterator[Table]:
     places = [(i, j) for j in range(len(down)) for i in range(len(across))]
     results = [rated.points.get(place) for place in places]
     signs, note = marks.column(results), marks.note(results, asked.units)
-    for column in columns:
+    for k, column in enumerate(columns):
         cells = [_cell(column, result, sign) for result, sign in zip(results, signs, strict=True)]
         rows = [[value, *cells[j * len(across) : (j + 1) * len(across)]] for j, value in enumerate(down)]
-        yield Table(column.title, [asked.sides[1], *across], rows, note)
+        yield Table(column.title, [asked.sides[1], *across], rows, AS_ABOVE if note and k else note)
 
 
 def _marks(rated: Rating) -> Marks:
