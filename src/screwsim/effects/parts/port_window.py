@@ -66,10 +66,12 @@ class CheckWithin:
             return
         born, ends = _with_volume(geometry)
         if parameters.closes > ends + 1e-9:
-            what = f"lies beyond {floor(ends / HUNDREDTH) / 100.0:g} deg, where the chamber's volume ends (choose an earlier angle)"
+            at = f"{floor(ends / HUNDREDTH) / 100.0:g} deg"
+            what = f"lies beyond {at}, where the chamber's volume ends (choose an earlier angle)"
             yield Fault(f"effects.{self.name}.closes", what)
         if parameters.opens < born - 1e-9:
-            what = f"lies before {ceil(born / HUNDREDTH) / 100.0:g} deg, where the chamber's volume begins (choose a later angle)"
+            at = f"{ceil(born / HUNDREDTH) / 100.0:g} deg"
+            what = f"lies before {at}, where the chamber's volume begins (choose a later angle)"
             yield Fault(f"effects.{self.name}.opens", what)
 
 
