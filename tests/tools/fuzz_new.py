@@ -29,7 +29,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
-from screwsim.study.sizing import sized_machine, with_steady_port
+from screwsim.study.sizing import sized_machine, stated_machine
 from screwsim.template import new_scene, request_of
 
 HALOGENATED = ("R134a", "R1234yf", "R22", "R404A", "R507A", "R407C", "R448A", "R449A", "R454B", "R513A")
@@ -171,8 +171,7 @@ def written(kind: str, stated: dict[str, Any]) -> str:
     asked = request_of(**stated)
     if "capacity" in stated:
         return sized_machine(kind, asked).text
-    text = new_scene(kind, asked)
-    return with_steady_port(text) if stated.get("economizer") else text
+    return stated_machine(kind, asked).text if stated.get("economizer") else new_scene(kind, asked)
 
 
 def judged(kind: str, stated: dict[str, Any]) -> tuple[str, str]:
