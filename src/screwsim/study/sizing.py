@@ -65,13 +65,22 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
             why = result.told if result.status != "ok" else f"no {figure.replace('_', ' ')}"
             what = f"the machine of {flow_text(flow)} tried for it does not run: {why}"
             raise UsageError(f"{option}: {what} (choose another {option}, --speed, --vi or --condition)")
-        if abs(value / wanted - 1.0) <= (NEAR if count < FIRM else ROUNDED):
+        near = NEAR if count < FIRM else ROUNDED
+        aim = wanted * (1.0 - near if figure == TAKEN else 1.0)  # a motor is loaded in full, not beyond
+        if abs(value / aim - 1.0) <= near:
             if asked.economizer:
                 _check_port(result)
-            return found
-        flow = rounded_flow(flow * wanted / value)
+            return _with_motor(kind, replace(asked, flow=flow, sought=option), found)
+        flow = rounded_flow(flow * aim / value)
     what = f"no size was found that gives {figure_text(figure, wanted)}"
     raise UsageError(f"{option}: {what} (state one with --displacement)")
+
+
+def _with_motor(kind: str, asked: SceneRequest, found: SizedMachine) -> SizedMachine:
+    """Return an air package sized by its flow with the smallest motor that carries it; others as they are."""
+    if asked.motor is not None or asked.sought != "--flow":
+        return found
+    return solved_machine(_text(kind, replace(asked, load=found.result.performance.shaft_power), asked.sought))
 
 
 def solved_machine(text: str) -> SizedMachine:

@@ -136,7 +136,7 @@ def air(asked: SceneRequest) -> str:
     oil_capacity = carried * gas_flow * _oil_heat_capacity(oil)
     cooler = _oil_cooler(max(ROOM, duty.T + ROOM_RESERVE), taken, gas_flow * _heat_capacity(duty), oil_capacity)
     delivered = (asked.free_air or LAMBDA * flow) / (LAMBDA * flow)  # of the estimated flow, where it is stated
-    rated = sizes.motor_for(min(delivered, 1.0) * taken) if asked.motor is None else 1e-3 * asked.motor
+    rated = _rated_power(asked, min(delivered, 1.0) * taken)
     displaced = [] if asked.by_sheet else [f"{sizes.flow_text(flow)} at {sizes.rpm(speed)}"]
     values = {
         **common_values(asked, duty, size, 0.97),
@@ -152,6 +152,13 @@ def air(asked: SceneRequest) -> str:
         "fan": f"{FAN_SHARE * rated:.2g} kW",
     }
     return texts.filled("air", values)
+
+
+def _rated_power(asked: SceneRequest, taken: float) -> float:
+    """Return the rated power [kW] of a package's motor: stated, or by the load found, or by an estimated one [W]."""
+    if asked.motor is not None:
+        return 1e-3 * asked.motor
+    return sizes.motor_for(taken) if asked.load is None else sizes.motor_for(asked.load, reserve=1.0)
 
 
 def _oil_per_air(duty: Duty, taken: float, oil: str) -> float:

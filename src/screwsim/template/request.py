@@ -48,6 +48,7 @@ class SceneRequest:
     slide: bool = False  # a slide valve
     variable: bool = False  # with an inverter, and speeds to sweep
     sought: str = ""  # option for which the flow was sought with the cycle
+    load: float | None = None  # of the motor, found with that flow, [W]
 
     @property
     def by_sheet(self) -> bool:

@@ -10,7 +10,7 @@ from screwsim.outputs.customary import MINUTE, RPM, with_printed_units
 from screwsim.outputs.us_units import CFM, HORSEPOWER, PSI
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
-from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation
+from screwsim.study.datasheet.air_rating import EFFICIENCY, ELSEWHERE, Point, Rating, Regulation, elsewhere
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_document, lives_table
 from screwsim.study.datasheet.bounds import Limit, exceeded_bounds, motor_of, with_limits_of
@@ -21,7 +21,6 @@ from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, disclai
 from screwsim.study.datasheet.tables import BLANK, MARK, document_figures
 from screwsim.study.datasheet.units import METRIC, Units
 
-REFERENCE_INLET = 1e5, 293.15  # Pa, K
 KW = 1e3  # W
 PER_HUNDRED, GRAINS = 100.0 * CFM, 7000.0  # m³/s in 100 cfm; grains in a pound
 POWER, SPECIFIC = "package_input_power", "package_specific_power"
@@ -225,9 +224,8 @@ def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
 
 def inlet_note(scene: Scene) -> Iterator[str]:
     """Yield a note where the inlet of a package is another than that of data sheets."""
-    at = lines(scene)
-    if abs(at.p_s - REFERENCE_INLET[0]) > 1e-3 * REFERENCE_INLET[0] or abs(at.T_s - REFERENCE_INLET[1]) > 0.1:
-        yield "rated at an inlet other than the 1 bar and 20 °C at which data sheets are compared"
+    if elsewhere(scene):
+        yield ELSEWHERE
 
 
 def point_notes(points: Sequence[tuple[str, Point]]) -> Iterator[str]:
