@@ -729,11 +729,19 @@ def test_a_sheet_gives_a_machine_that_delivers_what_it_states(tmp_path, capsys, 
     assert max(map(len, printed.out.splitlines())) <= 80
 
 
-def test_a_package_high_up_is_told_over_what_its_gauge_pressure_counts():
-    """8 bar(g) at an inlet of 0.795 bar is 9 bar: 8.205 bar over that inlet, where a site would have 8."""
+def test_a_gauge_pressure_of_a_package_high_up_counts_from_the_air_there():
+    """2000 m, 0.795 bar: 8 bar(g) is 8.795 bar; an inlet stated as a gauge pressure, or of a second stage, says 1 bar."""
     asked = request_of(condition="0.795 bar/8 bar(g), 40 degC", motor="90 kW")
+    found = sized_machine("air", asked)
+    told = list(sized_told(asked, found))
+    assert "at 8 bar over its inlet" in told[0] and not any("ambient_pressure" in line for line in told)
+    assert found.scene.operation.ambient_pressure == pytest.approx(0.795e5)
+    assert found.result.performance.package_discharge_pressure == pytest.approx(8.795e5)
+    asked = request_of(condition="-0.1 bar(g)/8 bar(g), 40 degC", motor="90 kW")
     *_, assumed = sized_told(asked, sized_machine("air", asked))
-    assert assumed.endswith("gauge pressures over 1 bar (operation.ambient_pressure), not over the inlet's 0.795 bar")
+    assert assumed.endswith("gauge pressures over 1 bar (operation.ambient_pressure), not over the inlet's 0.9 bar")
+    second = screwsim.loads(new_scene("air", request_of(condition="3 bar/10 bar(g), 60 degC")))
+    assert second.operation.ambient_pressure == pytest.approx(1e5)
 
 
 @pytest.mark.slow

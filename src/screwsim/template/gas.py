@@ -10,13 +10,15 @@ from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import FAMILIES
-from screwsim.outputs.customary import RPM, ZERO_CELSIUS
+from screwsim.outputs.customary import RPM, ZERO_CELSIUS, in_bar
+from screwsim.scene.units import is_gauge
 from screwsim.template import sizes, texts
 from screwsim.template.refrigeration import OILS_FOR
-from screwsim.template.request import Condition, SceneRequest, condition_of, quantity_after_comma
+from screwsim.template.request import ATMOSPHERE, Condition, SceneRequest, condition_of, quantity_after_comma
 
 LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power
 THINNEST_AIR = 0.3e5  # [Pa] least inlet pressure of an air package: 0.34 bar on the highest mountain
+DENSEST_AIR = 1.2e5  # [Pa] ambient pressure at the most, 1.2 bar in a mine of 1.5 km: a higher inlet is another machine's
 AIR_OIL = 4.0  # least kg of oil per kg of air, warmed by some 30 K (validation/cagi)
 LARGEST_OIL_WARMING = 40.0  # [K] most by which the oil of an air package is warmed: assumed
 ROOM, ROOM_RESERVE = 303.15, 5.0  # [K] room in which its cooler keeps LEAVES, this far above the inlet at least ...
@@ -68,9 +70,19 @@ class Duty(NamedTuple):
         return abs(sizes.isentropic_work(self.k, self.R, self.T, self.at.high / self.at.low))
 
 
-def gas_duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expands: bool = False) -> Duty:
-    """Return the lines of a condition; an unstated temperature is the default, or 10 K above the dew point."""
-    at = condition_of(asked.condition or example, "pressure", example)
+def gas_duty(
+    asked: SceneRequest,
+    fluid: str,
+    example: str,
+    temperature: str,
+    expands: bool = False,
+    ambient: float = ATMOSPHERE,
+) -> Duty:
+    """Return the lines of a condition; an unstated temperature is the default, or 10 K above the dew point.
+
+    Gauge pressures are over the ambient one [Pa].
+    """
+    at = condition_of(asked.condition or example, "pressure", example, ambient)
     low, high = (at.high, at.low) if expands else (at.low, at.high)
     if not low < high:
         order = "suction comes first, below discharge"
@@ -111,7 +123,12 @@ def _air_duty(asked: SceneRequest) -> Duty:
     if duty.at.low < THINNEST_AIR:
         what = f"an air package draws in ambient air, not {1e-5 * duty.at.low:.3g} bar"
         raise UsageError(f"--condition {asked.condition}: {what} (write screwsim new booster --fluid Air)")
-    return duty
+    return gas_duty(asked, "Air", "0 bar(g)/7.5 bar(g)", "20 degC", ambient=_ambient(duty.at))
+
+
+def _ambient(at: Condition) -> float:
+    """Return the ambient pressure [Pa] of a package: that of its inlet, where it is stated as an absolute one."""
+    return ATMOSPHERE if is_gauge(at.low_text) or at.low > DENSEST_AIR else at.low
 
 
 def first_flow(asked: SceneRequest) -> float:
@@ -142,6 +159,7 @@ def air(asked: SceneRequest) -> str:
         **common_values(asked, duty, size, 0.97),
         **_speeds(asked, rated, speed),
         "flooded": texts.flooded(size, LEAVES, cooler),
+        "ambient": in_bar(_ambient(duty.at)),
         "oil": oil,
         "bore": sizes.mm(sizes.bore(carried * gas_flow, OILS[oil].density_at(LEAVES), drop, 1), 2),
         "carried": f"{carried:g}",

@@ -158,10 +158,10 @@ def _quantity(option: str, kind: str, text: str | None, example: str) -> float |
     return found
 
 
-def condition_of(text: str, kind: str, example: str) -> Condition:
+def condition_of(text: str, kind: str, example: str, ambient: float = ATMOSPHERE) -> Condition:
     """Return two temperatures or pressures `LOW/HIGH UNIT`; the first without a unit has that of the second.
 
-    Gauge pressures are relative to `ATMOSPHERE`, which the scene then states.
+    Gauge pressures are relative to the ambient one [Pa], which the scene then states.
     """
     match = _PAIR.fullmatch(text)
     if match is None:
@@ -170,7 +170,7 @@ def condition_of(text: str, kind: str, example: str) -> Condition:
     if not last:
         raise UsageError(f"--condition {text}: has no unit (write e.g. --condition '{example}')")
     texts = [f"{low} {unit or last}", f"{high} {last}"]
-    with refused_at(f"--condition {text}"), gauge_pressures_over(ATMOSPHERE):
+    with refused_at(f"--condition {text}"), gauge_pressures_over(ambient):
         first, second = (parse_quantity(KINDS[kind], each) for each in texts)
     return Condition(first, second, texts[0], texts[1], beside or "")
 

@@ -22,6 +22,9 @@ from screwsim.study.datasheet.tables import BLANK, MARK, document_figures
 from screwsim.study.datasheet.units import METRIC, Units
 
 KW = 1e3  # W
+MOTOR_INLET = 0.898e5, 313.25  # Pa at 1000 m (ISO 2533), K: what motors are rated for
+BEYOND_MOTORS = "motors are rated for 1000 m (0.9 bar) and 40 °C at the most (IEC 60034-1): beyond, ask for their load"
+THIN_AIR = "conductance, approach and fan power are as stated, though thin air cools less"
 PER_HUNDRED, GRAINS = 100.0 * CFM, 7000.0  # m³/s in 100 cfm; grains in a pound
 POWER, SPECIFIC = "package_input_power", "package_specific_power"
 SEPARATED, COOLED, PACKAGE_VAPOUR = "condensate_flow", "aftercooler_condensate_flow", "package_vapour_flow"
@@ -223,9 +226,14 @@ def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
 
 
 def inlet_note(scene: Scene) -> Iterator[str]:
-    """Yield a note where the inlet of a package is another than that of data sheets."""
+    """Yield notes where the inlet of a package is another than that of data sheets, or than motors are rated for."""
     if elsewhere(scene):
         yield ELSEWHERE
+    at = lines(scene)
+    if at.p_s < MOTOR_INLET[0] or at.T_s > MOTOR_INLET[1]:
+        yield BEYOND_MOTORS
+    if at.p_s < MOTOR_INLET[0]:
+        yield THIN_AIR
 
 
 def point_notes(points: Sequence[tuple[str, Point]]) -> Iterator[str]:
