@@ -730,7 +730,7 @@ def test_a_sheet_gives_a_machine_that_delivers_what_it_states(tmp_path, capsys, 
 
 
 def test_a_gauge_pressure_of_a_package_high_up_counts_from_the_air_there():
-    """2000 m, 0.795 bar: 8 bar(g) is 8.795 bar; an inlet stated as a gauge pressure, or of a second stage, says 1 bar."""
+    """2000 m, 0.795 bar: 8 bar(g) is 8.795 bar. Of an inlet in gauge pressure, or of a second stage, from 1 bar."""
     asked = request_of(condition="0.795 bar/8 bar(g), 40 degC", motor="90 kW")
     found = sized_machine("air", asked)
     told = list(sized_told(asked, found))

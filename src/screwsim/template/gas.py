@@ -18,7 +18,7 @@ from screwsim.template.request import ATMOSPHERE, Condition, SceneRequest, condi
 
 LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power
 THINNEST_AIR = 0.3e5  # [Pa] least inlet pressure of an air package: 0.34 bar on the highest mountain
-DENSEST_AIR = 1.2e5  # [Pa] ambient pressure at the most, 1.2 bar in a mine of 1.5 km: a higher inlet is another machine's
+DENSEST_AIR = 1.2e5  # [Pa] ambient pressure at the most, that of a mine of 1.5 km
 AIR_OIL = 4.0  # least kg of oil per kg of air, warmed by some 30 K (validation/cagi)
 LARGEST_OIL_WARMING = 40.0  # [K] most by which the oil of an air package is warmed: assumed
 ROOM, ROOM_RESERVE = 303.15, 5.0  # [K] room in which its cooler keeps LEAVES, this far above the inlet at least ...

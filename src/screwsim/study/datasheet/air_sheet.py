@@ -7,7 +7,7 @@ from screwsim.effects.air_package import FREE_AIR
 from screwsim.effects.parts.rating import WEIGHTS
 from screwsim.outputs import Result
 from screwsim.outputs.customary import MINUTE, RPM, with_printed_units
-from screwsim.outputs.us_units import CFM, HORSEPOWER, PSI
+from screwsim.outputs.us_units import CFM, PSI
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet.air_rating import EFFICIENCY, ELSEWHERE, Point, Rating, Regulation, elsewhere
@@ -29,7 +29,7 @@ PER_HUNDRED, GRAINS = 100.0 * CFM, 7000.0  # m³/s in 100 cfm; grains in a pound
 POWER, SPECIFIC = "package_input_power", "package_specific_power"
 SEPARATED, COOLED, PACKAGE_VAPOUR = "condensate_flow", "aftercooler_condensate_flow", "package_vapour_flow"
 HEADS = ("rpm", "m³/min", "acfm", "% of full", "kW", "kW/ (m³/min)", "kW/ 100 acfm", "isentropic %")
-US_HEADS = ("rpm", "acfm", "% of full", "hp", "kW", "hp/ 100 acfm", "kW/ 100 acfm", "isentropic %")
+US_HEADS = ("rpm", "acfm", "% of full", "kW", "kW/ 100 acfm", "isentropic %")  # input is in kW on sheets there, too
 DOCUMENT_FIGURES = (
     FREE_AIR, POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
     "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "oil_cooler_load",
@@ -87,7 +87,7 @@ def drawings_of(rated: Rating) -> Iterator[Drawing]:
     good = [point for point in rated.points if point.flow > 0.0]
     flow, specific = (MINUTE, "m³/min"), (1.0 / (KW * MINUTE), "kW/(m³/min)")
     if rated.units != METRIC:
-        flow, specific = (1.0 / CFM, "acfm"), (PER_HUNDRED / HORSEPOWER, "hp/(100 acfm)")
+        flow, specific = (1.0 / CFM, "acfm"), (PER_HUNDRED / KW, "kW/(100 acfm)")
     found = [point.result.performance[SPECIFIC] for point in good]
     curve = Curve([flow[0] * point.flow for point in good], [specific[0] * each for each in found])
     label = f"Package specific power [{specific[1]}]"
@@ -103,7 +103,7 @@ def point_row(point: Point, full: Point, units: Units) -> list[str]:
     """Return the cells of a point of the sheet, under `HEADS` or `US_HEADS`."""
     speed = f"{point.rotor_speed / RPM:.0f}"
     if not point.flow > 0.0:
-        return [speed, point.result.status.replace("_", " "), *[""] * (len(HEADS) - 2)]
+        return [speed, point.result.status.replace("_", " "), *[""] * (len(heads_of(units)) - 2)]
     found = point.result.performance
     share, specific = 100.0 * point.flow / full.flow if full.flow > 0.0 else 0.0, found[SPECIFIC]
     efficiency = found.get(EFFICIENCY)
@@ -112,8 +112,7 @@ def point_row(point: Point, full: Point, units: Units) -> list[str]:
     if units == METRIC:
         cells = [f"{MINUTE * point.flow:.2f}", flow, part, power, f"{specific / (KW * MINUTE):.2f}", per_hundred]
     else:
-        per_hundred_hp = f"{PER_HUNDRED * specific / HORSEPOWER:.1f}"
-        cells = [flow, part, f"{found[POWER] / HORSEPOWER:.1f}", power, per_hundred_hp, per_hundred]
+        cells = [flow, part, power, per_hundred]
     return [speed, *cells, "" if efficiency is None else f"{100.0 * efficiency:.1f}"]
 
 
@@ -194,7 +193,7 @@ def _unloaded(rated: Rating) -> str:
         return idle.result.told
     power = idle.result.performance[POWER]
     share = f", {_percent(power / rated.full.result.performance[POWER])} of that at full flow" if rated.full.ok else ""
-    return f"{rated.units.power.factor * power:.1f} {rated.units.power.unit} unloaded{share}"
+    return f"{power / KW:.1f} kW unloaded{share}"
 
 
 def _verdict(found: Regulation | None) -> tuple[str, str, bool | None] | None:
