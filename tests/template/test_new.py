@@ -584,7 +584,13 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances_be
             "--capacity: is given together with --diameter",
         ),
         (["air", "--capacity", "300 kW"], "--capacity: is for refrigeration and heat_pump"),
-        (["booster", "--motor", "75 kW"], "--motor: is for refrigeration, heat_pump and air (remove it"),
+        (["expander", "--motor", "75 kW"], "--motor: is for refrigeration, heat_pump, air and booster (remove it"),
+        (
+            ["air", "--flow", "2000 Nm^3/h"],
+            "--flow 2000 Nm^3/h: a package delivers free air, at the state of its inlet",
+        ),
+        (["booster", "--flow", "-5 Nm3/h"], "--flow -5 Nm3/h: is not above zero (write e.g. --flow '2000 Nm^3/h')"),
+        (["booster", "--flow", "5 scfm", "--diameter", "180 mm"], "--flow: is given together with --diameter"),
         (["chiller"], "chiller: is not a kind of new scene; did you mean 'refrigeration'?"),
         (["air", "--pressure", "8 bar", "--condition", "1/8 bar"], "--pressure: is given together with --condition"),
         (["air", "--pressure", "0.5 bar"], "--pressure 0.5 bar: is not above the ambient 1 bar"),
@@ -677,10 +683,8 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances_be
         ),
         (["booster", "--slide"], "--slide: is for refrigeration and heat_pump, which it unloads"),
         (["heat_pump", "--variable-speed"], "--variable-speed: is for air, from whose data sheet it comes"),
-        (
-            ["booster", "--flow", "7 m^3/min"],
-            "--flow: is from the data sheet of an air package (write screwsim new air",
-        ),
+        (["expander", "--flow", "7 m^3/min"], "--flow: is for air and booster (remove it; expander takes --displ"),
+        (["booster", "--pressure", "7 bar"], "--pressure: is from the data sheet of an air package (write screwsim n"),
         (["refrigeration", "-o", "x.json"], "-o x.json: a scene file must end in .yaml (write -o x.yaml)"),
         (["refrigeration", "-o", "x.fit.yaml"], "-o x.fit.yaml: is named like a fit or a two-stage file"),
     ],
@@ -704,6 +708,7 @@ def test_a_condition_that_is_proposed_is_one_of_the_fluid(fluid, capsys):
     assert 0.0 < duty.p_s < duty.p_d
 
 
+M_METHANE = 16.0428e-3  # kg/mol
 BY_SHEET = ["new", "air", "--motor", "45kW", "--flow", "7.5m^3/min", "--pressure", "7.5bar(g)", "-o", "mine.yaml"]
 
 
@@ -811,6 +816,32 @@ def test_the_motor_of_a_stated_flow_is_the_smallest_that_carries_it(free_air, ra
     assert found.scene.effects["motor"].parameters.rated_power == pytest.approx(1e3 * rated)
     assert found.scene.effects["air_package"].parameters.fan.power == pytest.approx(40.0 * rated, rel=0.02)
     assert found.result.performance.free_air_delivered == pytest.approx(float(free_air.split()[0]) / 60.0, rel=NEAR)
+
+
+@pytest.mark.parametrize(
+    ("flow", "mass"),
+    [
+        ("2000 Nm^3/h", 2000.0 / 22.413969e-3 * M_METHANE / 3600.0),  # molar volume at 0 °C and 1.01325 bar (CODATA)
+        ("1000 scfm", 1000.0 / 379.48 * 453.59237 / 60.0 * M_METHANE),  # that at 60 °F and 14.696 psia, ft³/lbmol
+        ("400 m^3/h", 400.0 / 3600.0 * PropsSI("D", "P", 5e5, "T", 293.15, "Methane")),
+    ],
+)
+def test_a_booster_is_sized_by_its_flow_at_a_standard_state_or_at_its_inlet(flow, mass):
+    asked = request_of(free_air=flow)
+    found = sized_machine("booster", asked)
+    assert found.result.performance.gas_mass_flow == pytest.approx(mass, rel=1.5 * NEAR)
+    assert f"# Made for {flow}: its size was found with the cycle.\n" in found.text
+    load = found.result.performance.shaft_power / found.scene.effects["motor"].parameters.rated_power
+    assert load <= 1.0 / sizes.MOTOR_RESERVE
+    told = next(sized_told(asked, found))
+    assert told.startswith(f"computed: delivers {3600.0 * found.result.performance.gas_mass_flow:.5g} kg/h, ")
+
+
+def test_a_booster_is_sized_by_its_motor():
+    found = sized_machine("booster", request_of(motor="110 kW"))
+    assert found.scene.effects["motor"].parameters.rated_power == pytest.approx(110e3)
+    taken = found.result.performance.shaft_power
+    assert taken == pytest.approx(110e3, rel=2 * NEAR) and taken <= 110e3
 
 
 @pytest.mark.parametrize(

@@ -10,13 +10,15 @@ from typing import NamedTuple
 
 from screwsim.effects.motor import SERVICE_FACTOR, beyond_rating
 from screwsim.figures.engineering import figure_text
+from screwsim.fluid import constants
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.outputs.customary import in_bar
+from screwsim.outputs.customary import HOUR, in_bar
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 from screwsim.template import SceneRequest, kind_of, new_scene
 from screwsim.template.gas import INVERTER_LOSS_SHARE
+from screwsim.template.request import NORMAL, R
 from screwsim.template.sizes import flow_text, rounded_flow, rpm
 
 DELIVERED, TAKEN = "free_air_delivered", "shaft_power"
@@ -49,7 +51,7 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
     """
     about = kind_of(kind)
     goals = (
-        ("--flow", DELIVERED, asked.free_air),
+        ("--flow", DELIVERED, asked.free_air if asked.molar is None else asked.molar),
         ("--capacity", about.cools, asked.capacity),
         ("--motor", TAKEN, asked.motor),
     )
@@ -58,7 +60,7 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
     for count in range(TRIES):
         found = solved_machine(_text(kind, replace(asked, flow=flow, sought=option), option))
         result = found.result
-        value = result.performance.get(figure)
+        value = _delivered(asked, found) if figure == DELIVERED else result.performance.get(figure)
         if asked.economizer and result.status == "not_closed":
             raise UsageError(UNSTEADY_PORT)
         if result.status != "ok" or not value or value <= 0.0:
@@ -72,12 +74,22 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
                 _check_port(result)
             return _with_motor(kind, replace(asked, flow=flow, sought=option), found)
         flow = rounded_flow(flow * aim / value)
-    what = f"no size was found that gives {figure_text(figure, wanted)}"
+    what = f"no size was found that gives {asked.flow_text or figure_text(figure, wanted)}"
     raise UsageError(f"{option}: {what} (state one with --displacement)")
 
 
+def _delivered(asked: SceneRequest, found: SizedMachine) -> float | None:
+    """Return what a machine delivers: in mol/s where the flow asked for is at a standard state, else in m³/s."""
+    p = found.result.performance
+    if found.result.status != "ok" or DELIVERED in p:
+        return p.get(DELIVERED)
+    if asked.molar is not None:
+        return p.gas_mass_flow * constants.gas_constant(found.scene.gas.name) / R
+    return p.volumetric_efficiency * p.displacement_flow
+
+
 def _with_motor(kind: str, asked: SceneRequest, found: SizedMachine) -> SizedMachine:
-    """Return an air package sized by its flow with the smallest motor that carries it; others as they are."""
+    """Return a machine sized by its flow with the motor for the load found; others as they are."""
     if asked.motor is not None or asked.sought != "--flow":
         return found
     return solved_machine(_text(kind, replace(asked, load=found.result.performance.shaft_power), asked.sought))
@@ -127,14 +139,15 @@ def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]
     rated = next(parameters.rated_power for parameters in every if hasattr(parameters, "rated_power"))
     load = p.shaft_power / rated
     package = DELIVERED in p
-    gives, takes = _package_in_words(found) if package else _plant_in_words(found)
+    gives, takes = next(words for name, words in IN_WORDS.items() if name in p)(found)
     shaft = f"takes {figure_text(TAKEN, p.shaft_power)} at the shaft"
     beyond = beyond_rating(load)
     carried = f"{100.0 * load:.0f} % of a motor of {1e-3 * rated:g} kW{f', {beyond}' if beyond else ''}"
     yield f"computed: {gives}, {shaft} ({carried}), {takes}"
     if asked.motor is not None and not LIGHT <= load <= SERVICE_FACTOR:
         word = "more" if load > SERVICE_FACTOR else "less"
-        check = "--flow, --motor and --pressure" if package else "--capacity, --motor and --condition"
+        size = "--capacity" if COOLS in p else "--flow"
+        check = f"{size}, --motor and {'--pressure' if package else '--condition'}"
         yield f"the motor carries {word} than data sheets show (check {check}, or --speed)"
     tips = 0.5 * scene.operation.speed * scene.machine.rotor_diameter
     if tips > FAST_TIP_SPEED:
@@ -178,3 +191,18 @@ def _plant_in_words(found: SizedMachine) -> tuple[str, str]:
     gives += f" (without the {figure_text(DUTY, duty)} of its oil cooler)" if duty else ""
     takes = f"{figure_text('electrical_power', p.electrical_power)} with its motor"
     return gives, f"{takes}, COP {p.electrical_cop:.3g} of cooling, {p.electrical_heating_cop:.3g} of heating"
+
+
+def _booster_in_words(found: SizedMachine) -> tuple[str, str]:
+    """Return, in words, what a booster delivers, and its total input."""
+    p = found.result.performance
+    R_gas = constants.gas_constant(found.scene.gas.name)
+    normal = HOUR * p.gas_mass_flow * R_gas * NORMAL[0] / NORMAL[1]
+    at_inlet = HOUR * p.volumetric_efficiency * p.displacement_flow
+    ends = f"{in_bar(p.suction_pressure)} to {in_bar(p.discharge_pressure)}"
+    gives = f"delivers {HOUR * p.gas_mass_flow:.5g} kg/h, {normal:.5g} Nm³/h, {at_inlet:.5g} m³/h at its inlet, {ends}"
+    takes = f"{figure_text('electrical_power', p.electrical_power)} with its motor"
+    return gives, f"{takes}, isentropic efficiency {100.0 * p.electrical_isentropic_efficiency:.1f} % of that"
+
+
+IN_WORDS = {DELIVERED: _package_in_words, COOLS: _plant_in_words, "gas_mass_flow": _booster_in_words}
