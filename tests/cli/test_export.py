@@ -186,7 +186,9 @@ def test_loads_of_a_machine_without_profile_are_its_flows(command, folder):
     assert command("export", "loads", "small.yaml", "-o", "small.yaml").code == 2
 
 
-@pytest.mark.parametrize("arguments", [("loads", "-o", "loads"), ("csv", "-o", "x.csv", "--over", SPEED, "--jobs", "1")])
+@pytest.mark.parametrize(
+    "arguments", [("loads", "-o", "loads"), ("csv", "-o", "x.csv", "--over", SPEED, "--jobs", "1")]
+)
 def test_what_the_command_line_changes_stands_below_the_title(command, folder, arguments):
     kind, *rest = arguments
     answer = command("export", kind, "small.yaml", *rest, "--set", "operation.discharge.pressure=6 bar")

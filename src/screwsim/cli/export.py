@@ -32,9 +32,7 @@ SOURCE = argument("SCENE|OUT.h5", "A scene or two stages to simulate, or the res
 RANGES = option(
     "PATH=LOW..HIGH", "An input of the map and its range (default: the scene's sweep); repeatable.", "--over"
 )
-FIGURE_NAMES = option(
-    "NAME", "An output of the map (default: flow, powers, discharge temperature, capacity).", "--figure"
-)
+FIGURE_NAMES = option("NAME", "An output of the map (default: flows, powers, temperatures, capacities).", "--figure")
 LARGEST_ERROR = option("E", "Largest relative error allowed in the map (default: 0.005).", "--error")
 MOST_CASES = option("N", "Largest number of grid points to simulate (default: 5000).", "--most-cases", min=2)
 _BAR = partial(progress_bar, "export")
