@@ -40,7 +40,7 @@ def assumed_of(supports: Supports) -> str:
     if not all(supports.sized):
         told.append("no shafts, whose area the thrust then includes")
         remedies.append("--shafts")
-    return f"assumed: {', and '.join(told)} (state {' and '.join(remedies)}, or effects.bearings)" if told else ""
+    return f"assumed: {', and '.join(told)} (state {' and '.join(remedies)}, or effects.{EFFECT.name})" if told else ""
 
 
 def _spans(bearings: Any) -> Spans:
