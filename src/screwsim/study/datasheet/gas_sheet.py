@@ -175,7 +175,8 @@ def _columns(rated: SceneRating) -> tuple[Column, ...]:
     if not expands:
         columns.append(_standard_flow(rated))
     if machine_lines.is_oil_cooled(scene):
-        columns.append(measured(DUTY, "Oil cooler duty", units.heat, size))
+        heat = units.heat._replace(factor=sign * units.heat.factor)  # an expander's oil is warmed
+        columns.append(measured(DUTY, "Heat that warms the oil" if expands else "Oil cooler duty", heat, size))
     return tuple(columns)
 
 
