@@ -83,7 +83,7 @@ def figures_of(of: Evaluation) -> Read:
         lacking = sum(found.get(part.lacking) or 0.0 for _, part in parts.all(Plenum))
         beyond = beyond if isinstance(beyond, str) else beyond - lacking
         take(performance.heating(found, condensed, rejected, beyond))
-    take(performance.saturation_figures(problem, found))
+    take(performance.saturation_figures(problem, found, leaving))
     if "intake_pressure" in problem.called:
         found["intake_pressure"] = problem.suction.pressure
         found["intake_temperature"] = _intake_temperature(of)

@@ -172,6 +172,8 @@ def _columns(rated: SceneRating) -> tuple[Column, ...]:
         filled,
         *outlet_temperatures(own, scene.oil_supply is not None, "Outlet" if expands else "Discharge", units),
     ]
+    if expands and "discharge_quality" in own:
+        columns.append(Column("discharge_quality", "Outlet quality", 1.0, 3))
     if not expands:
         columns.append(_standard_flow(rated))
     if machine_lines.is_oil_cooled(scene):
