@@ -539,6 +539,11 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances_be
         ),
         (["air", "--condition", "9/2 bar"], "--condition 9/2 bar: suction comes first, below discharge"),
         (
+            ["expander", "--fluid", "R245fa", "--condition", "90/35 degC"],
+            "--condition 90/35 degC: these are temperatures, where R245fa has these saturation pressures (write e.g. "
+            "--condition '10.06/2.12 bar, 100 degC', with the temperature of the gas)",
+        ),
+        (
             ["expander", "--condition", "2/9 bar"],
             "--condition 2/9 bar: an expander's inlet comes first, above its outlet",
         ),
