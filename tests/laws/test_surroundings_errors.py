@@ -13,19 +13,11 @@ from screwsim.scene import load
 from screwsim.simulate import simulate
 from screwsim.solve.circuit import SurroundingsSearch, _learnt, _weight, steady_state
 from screwsim.solve.surroundings import implied_surroundings
-from screwsim.solve.surroundings_errors import BEHIND, KPA, SUPPLY, secant_updated
+from screwsim.solve.surroundings_errors import BEHIND, KPA, SUPPLY
 
 PACKAGE = Path(__file__).parents[2] / "configs" / "air" / "fixed_speed_10.yaml"
 MOIST = PACKAGE.with_name("moist.yaml")
 SLOWER = "operation.speed=2398.5 rpm"
-
-
-def test_an_update_gives_the_change_it_learns_and_keeps_slopes_across_it():
-    slopes, moved, across = np.array([[1.0, 2.0], [0.0, -3.0]]), np.array([0.5, 0.5]), np.array([1.0, -1.0])
-    change = np.array([4.0, 7.0])
-    learnt = secant_updated(slopes, change, moved)
-    assert learnt @ moved == pytest.approx(change)
-    assert learnt @ across == pytest.approx(slopes @ across)
 
 
 def test_of_a_change_that_errors_could_make_hardly_anything_is_learnt():

@@ -26,6 +26,7 @@ from screwsim.figures.errors import worst
 from screwsim.inputs.faults import UsageError
 from screwsim.model import leases
 from screwsim.model.run import Machinery
+from screwsim.numerics import broyden
 from screwsim.outputs import Figures
 from screwsim.outputs.variables import NOT_CLOSED
 from screwsim.solve.accurately import AIM, TIGHTEST, Accurate, Cost, CostMeter, criteria_of, record_in_course, solve
@@ -38,7 +39,7 @@ from screwsim.solve.surroundings import (
     surroundings_follow,
     unknowns_of,
 )
-from screwsim.solve.surroundings_errors import errors_with_unknowns, learnt_slopes, secant_updated
+from screwsim.solve.surroundings_errors import errors_with_unknowns, learnt_slopes
 
 Array = np.ndarray
 MOST_CYCLES = 20  # cycles of one search
@@ -235,7 +236,7 @@ def _weight(moved: Array, *wrong: float) -> float:
 
 def _learnt(jacobian: Array, change: Array, moved: Array, weight: float) -> Array:
     """Return a Jacobian by Broyden's update, or the old one where that would reverse the circuit's response."""
-    learnt = secant_updated(jacobian, change, moved, weight)
+    learnt = broyden.updated(jacobian, change, moved, weight)
     return learnt if np.all(np.linalg.eigvals(learnt).real < -LEAST_DECAY) else jacobian
 
 

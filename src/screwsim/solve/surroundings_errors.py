@@ -13,6 +13,7 @@ import numpy as np
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures.errors import error_of, relative_errors
+from screwsim.numerics import broyden
 from screwsim.outputs import Figures
 from screwsim.solve.surroundings import KPA
 
@@ -29,18 +30,10 @@ STATED = {  # figures that state an unknown: which, and its unit
 }
 
 
-def secant_updated(slope: Array, change: float | Array, moved: Array, weight: float = 1.0) -> Array:
-    """Return slopes that give a change over a move of the unknowns, by the smallest update that does (Broyden).
-
-    With a `weight` below 1 they give that share of what the change was missed by.
-    """
-    return slope + weight * np.multiply.outer(np.asarray(change) - slope @ moved, moved) / float(moved @ moved)
-
-
 def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array, weight: float) -> dict[str, Array]:
     """Return the slopes of figures that also give their change to an evaluation, over a move of the unknowns.
 
-    What they missed of the change is learnt by its `weight`, see `secant_updated`.
+    What they missed of the change is learnt by its `weight`, see `numerics.broyden`.
     """
     unknowns, found = len(moved), of.figures
     slopes = {name: slope for name, slope in known.items() if len(slope) == unknowns}
@@ -51,7 +44,7 @@ def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array, 
         slope = slopes.get(name)
         if slope is None:
             slope = _stated_slope(of, name, unknowns)
-        slopes[name] = secant_updated(slope, value - old, moved, weight)
+        slopes[name] = broyden.updated(slope, value - old, moved, weight)
     return slopes
 
 
