@@ -7,8 +7,9 @@ from near_arrays import assert_near
 
 from screwsim.derivatives import chamber_newton, collocation, lane_rates
 from screwsim.derivatives.blocks import Blocks, follow_once
+from screwsim.derivatives.mesh import Mesh
 from screwsim.derivatives.pitch import CollocatedPitch
-from screwsim.derivatives.slices import INTEGRALS, between
+from screwsim.derivatives.radau import INTEGRALS
 
 
 @pytest.fixture(scope="module", params=["paper", "r134a"])
@@ -34,12 +35,12 @@ def test_what_is_followed_solves_the_stage_equations(cycle):
     pitch, J = cycle.pitch, cycle.slopes.by_states
     draw = np.random.default_rng(1)
     start, right = draw.normal(size=(pitch.N, 3)), draw.normal(size=(*cycle.nodes.shape, 3))
-    blocks = Blocks(J, pitch.slices.widths, pitch.n, max(pitch.machinery.composition.offsets))
+    blocks = Blocks(J, pitch.mesh.widths, pitch.n, max(pitch.machinery.composition.offsets))
     found = blocks.follow(start, right.copy())
-    once = follow_once(J, pitch.slices.widths, pitch.n, max(pitch.machinery.composition.offsets), start, right.copy())
+    once = follow_once(J, pitch.mesh.widths, pitch.n, max(pitch.machinery.composition.offsets), start, right.copy())
     np.testing.assert_array_equal(once, found)
     before = np.concatenate([start[None], found[:-1, -1]])[:, None]
-    inside = np.einsum("k,ij,kjnm,kjmc->kinc", pitch.slices.widths, INTEGRALS, J, found)
+    inside = np.einsum("k,ij,kjnm,kjmc->kinc", pitch.mesh.widths, INTEGRALS, J, found)
     left = found - before - inside - right
     assert np.abs(left).max() < 1e-9 * np.abs(found).max()
 
@@ -49,14 +50,14 @@ def test_what_is_followed_chamber_by_chamber_begins_with_what_the_one_before_lea
     chambers, draw = pitch.N // n, np.random.default_rng(2)
     J = cycle.slopes.by_states.reshape(pitch.count, 3, chambers, n, chambers, n)
     own = np.ascontiguousarray(J[:, :, range(chambers), :, range(chambers)]).reshape(-1, 3, n, n)
-    blocks = Blocks(own, np.tile(pitch.slices.widths, chambers), n, 0)
+    blocks = Blocks(own, np.tile(pitch.mesh.widths, chambers), n, 0)
     right, inject = draw.normal(size=cycle.nodes.shape), draw.normal(size=(pitch.N, pitch.N))
     found = blocks.follow_one_by_one(right.copy(), inject)
     for j in range(chambers):
         here, one = slice(j * n, j * n + n), own[j * pitch.count : (j + 1) * pitch.count]
         start = inject[here, here] @ found[-1, -1, (j - 1) * n : j * n] if j else np.zeros(n)
         before = np.concatenate([start[None], found[:-1, -1, here]])[:, None]
-        inside = np.einsum("k,im,kmst,kmt->kis", pitch.slices.widths, INTEGRALS, one, found[..., here])
+        inside = np.einsum("k,im,kmst,kmt->kis", pitch.mesh.widths, INTEGRALS, one, found[..., here])
         left = found[..., here] - before - inside - right[..., here]
         assert np.abs(left).max() < 1e-9 * np.abs(found[..., here]).max()
 
@@ -65,7 +66,7 @@ def test_rates_side_by_side_are_those_one_by_one(cycle):
     pitch, at = cycle.pitch, cycle.at
     asked = []
     for i in range(6):
-        P, edges = at.P.copy(), pitch.slices.edges.copy()
+        P, edges = at.P.copy(), pitch.mesh.edges.copy()
         P[5 + i] *= 1.0 + 1e-4
         edges[1:-1] += 1e-9 * i
         asked.append(lane_rates.RateRequest(at._replace(P=P), edges if i % 2 else None))
@@ -82,7 +83,7 @@ def test_rates_side_by_side_are_those_one_by_one(cycle):
 
 
 def test_rates_of_parts_of_the_nodes_side_by_side_are_those_one_by_one(cycle):
-    pitch, edges = cycle.pitch, cycle.pitch.slices.edges.copy()
+    pitch, edges = cycle.pitch, cycle.pitch.mesh.edges.copy()
     pitch.put(cycle.at)
     edges[1:-1] += 1e-9
     for moved in (None, edges):
@@ -112,9 +113,11 @@ def test_slices_that_stay_lend_their_factors_and_others_have_their_own(cycle, mo
     pitch, at, asked = cycle.pitch, cycle.at, []
     pitch.put(at)
     pitch.install(cycle.start, cycle.nodes)
-    kept, edges = chamber_newton.ChamberFactors(), pitch.slices.edges
+    kept, edges = chamber_newton.ChamberFactors(), pitch.mesh.edges
     kept.anew(pitch, cycle.nodes)
-    finer = CollocatedPitch(pitch.problem, pitch.machinery, between(np.insert(edges, 8, 0.5 * (edges[7] + edges[8]))))
+    finer = CollocatedPitch(
+        pitch.problem, pitch.machinery, Mesh.between(np.insert(edges, 8, 0.5 * (edges[7] + edges[8])))
+    )
     Y, by_states = finer.read(), CollocatedPitch.by_own_states
     Y[20] *= 1.0 + 2.0 * chamber_newton.UNCHANGED_WITHIN
     monkeypatch.setattr(
@@ -137,7 +140,7 @@ def test_slices_nearly_as_wide_take_factors_over_unless_they_are_wrong(cycle, mo
     pitch, at, asked = cycle.pitch, cycle.at, []
     pitch.put(at)
     pitch.install(cycle.start, cycle.nodes)
-    kept, edges = chamber_newton.ChamberFactors(), pitch.slices.edges.copy()
+    kept, edges = chamber_newton.ChamberFactors(), pitch.mesh.edges.copy()
     before = kept.anew(pitch, cycle.nodes).factors.reshape(pitch.N // pitch.n, pitch.count, -1)
     widths, wrong = np.diff(edges), np.zeros(pitch.count, bool)
     edges[8] += 0.5 * chamber_newton.ALIKE * min(widths[7:9])
@@ -146,7 +149,7 @@ def test_slices_nearly_as_wide_take_factors_over_unless_they_are_wrong(cycle, mo
     monkeypatch.setattr(
         CollocatedPitch, "by_own_states", lambda *given: asked.append(given[2].tolist()) or by_states(*given)
     )
-    moved = CollocatedPitch(pitch.problem, pitch.machinery, between(edges))
+    moved = CollocatedPitch(pitch.problem, pitch.machinery, Mesh.between(edges))
     found = kept.renewed(moved, moved.read(), wrong, chamber_newton.ALIKE).factors.reshape(before.shape)
     assert asked == [[19, 20, 30]]
     np.testing.assert_array_equal(found[:, [7, 8]], before[:, [7, 8]])

@@ -5,7 +5,7 @@ from each_row import each_row
 
 from screwsim.derivatives import chamber_stages, stages
 from screwsim.derivatives.blocks import Blocks, follow_once
-from screwsim.derivatives.slices import INTEGRALS, NODES
+from screwsim.derivatives.radau import INTEGRALS, NODES
 from screwsim.derivatives.stages import LITTLE
 
 COUNT, COLUMNS, WIDTH = 4, 5, 0.02

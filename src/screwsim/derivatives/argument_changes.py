@@ -15,8 +15,8 @@ from screwsim.derivatives import line_flows
 from screwsim.derivatives.lane_rates import RateRequest, rates_of
 from screwsim.derivatives.line_flows import LineMeans
 from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.radau import INTEGRALS, NODES
 from screwsim.derivatives.rate_numbers import RateNumbers
-from screwsim.derivatives.slices import INTEGRALS, NODES
 from screwsim.derivatives.sweeps import compiled
 from screwsim.effects.base import LINES
 from screwsim.model.slots import P_GAP_WIDTH, P_OMEGA, P_PITCH, PORT_STATE, PRESSURE, R_RATIO
@@ -89,13 +89,13 @@ def along(
         signs = (side,) if isinstance(side, float) and not both else (1.0, -1.0)
         of_asked += [(i, sign / step * (0.5 if both else np.equal(side, sign))) for sign in signs]
         for sign in signs:
-            there = None if edges is None else pitch.slices.edges + sign * step * edges
+            there = None if edges is None else pitch.mesh.edges + sign * step * edges
             asked.append(RateRequest(at.plus(sign * step, numbers), there))
     own: list[Array] = []
     for which, *found in rates_of(pitch, Y, asked):
         found = [rates.reshape(-1, *rates.shape[2:]) for rates in found]
         own = own or [rates[..., 0].copy() for rates in found]
-        lane, widths = int(not which.start), pitch.slices.widths
+        lane, widths = int(not which.start), pitch.mesh.widths
         of_lanes = of_asked[which.start + lane - 1 : which.stop - 1]
         edges = [each.edges for each in asked[which.start + lane : which.stop]]
         there = [per * (widths if e is None else np.diff(e)) for (_, per), e in zip(of_lanes, edges, strict=True)]
@@ -136,8 +136,8 @@ def _means_by(pitch: CollocatedPitch, g: Array, flows: Array, changes: Sequence[
     if not line_flows.pulsates(pitch):
         return line_flows.none(pitch, len(changes))
     own = line_flows.flows_of(pitch, g, 1).reshape(flows.shape[:3])
-    means, P = LineMeans.of(pitch.slices.edges), pitch.machinery.composition.P
-    found, here = means.through(flows), means.through(pitch.slices.widths[:, None, None] * own)
+    means, P = LineMeans.of(pitch.mesh.edges), pitch.machinery.composition.P
+    found, here = means.through(flows), means.through(pitch.mesh.widths[:, None, None] * own)
     for j, change in enumerate(changes):
         numbers = change.numbers.P
         wider, faster = (float(numbers[at] / P[at]) for at in (P_PITCH, P_OMEGA))
@@ -153,7 +153,7 @@ def along_events(pitch: CollocatedPitch, Y: Array, right: Array) -> Array:
     Changes of the stage equations are added to `right` (slices, NODES, N, events). They are those of every second event
     at once, each in the slices that it reaches, up to its neighbours.
     """
-    at, edges, moves, step = pitch.numbers, pitch.slices.edges, pitch.events_move, step_of(pitch)
+    at, edges, moves, step = pitch.numbers, pitch.mesh.edges, pitch.events_move, step_of(pitch)
     sums = np.zeros((pitch.machinery.nq, len(moves)))
     if not len(moves):
         return sums

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from screwsim.derivatives.chamber_stages import compiled as alone
-from screwsim.derivatives.slices import NODES
+from screwsim.derivatives.radau import NODES
 from screwsim.derivatives.stages import LITTLE, compiled
 from screwsim.numerics.reused_arrays import empty
 

@@ -15,8 +15,8 @@ from screwsim.derivatives.lane_rates import rates
 from screwsim.derivatives.line_flows import line_inflow
 from screwsim.derivatives.linear import injection
 from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.radau import INTEGRALS
 from screwsim.derivatives.shifted_life import ShiftedLife
-from screwsim.derivatives.slices import INTEGRALS
 
 Array = np.ndarray
 MOST_ITERATIONS = 12  # iterations
@@ -62,7 +62,7 @@ class ChamberFactors:
     def renewed(self, pitch: CollocatedPitch, Y: Array, wrong: Array, alike: float) -> Blocks:
         """Return the factors for a pitch where those of `wrong` slices, and of ones that are not `alike`, are new."""
         assert self.blocks is not None
-        edges, before, at = pitch.slices.edges, self.edges, self._before(pitch)
+        edges, before, at = pitch.mesh.edges, self.edges, self._before(pitch)
         widths = np.diff(before)[at]
         new = wrong | (np.abs(np.diff(edges) - widths) > alike * widths)
         if not new.any():
@@ -73,11 +73,11 @@ class ChamberFactors:
 
     def _before(self, pitch: CollocatedPitch) -> Array:
         """Return the index of the kept slice that holds the middle of each slice of a pitch."""
-        return np.clip(np.searchsorted(self.edges, pitch.slices.middles) - 1, 0, len(self.edges) - 2)
+        return np.clip(np.searchsorted(self.edges, pitch.mesh.middles) - 1, 0, len(self.edges) - 2)
 
     def anew(self, pitch: CollocatedPitch, Y: Array) -> Blocks:
         """Return, and keep, new factors for a pitch at given states."""
-        self.blocks, self.edges = _blocks(pitch, Y, np.arange(pitch.count)), pitch.slices.edges
+        self.blocks, self.edges = _blocks(pitch, Y, np.arange(pitch.count)), pitch.mesh.edges
         self.states = Y
         return self.blocks
 
@@ -152,12 +152,12 @@ def residual_of(pitch: CollocatedPitch, Y: Array) -> tuple[Array, Array, float, 
 def _blocks(pitch: CollocatedPitch, Y: Array, slices: Array) -> Blocks:
     """Return the factored stage equations of each chamber alone, for some slices."""
     chambers, n = pitch.N // pitch.n, pitch.n
-    return Blocks(pitch.by_own_states(Y, slices), np.tile(pitch.slices.widths[slices], chambers), n, 0)
+    return Blocks(pitch.by_own_states(Y, slices), np.tile(pitch.mesh.widths[slices], chambers), n, 0)
 
 
 def residual(pitch: CollocatedPitch, Y: Array, start: Array, f: Array) -> Array:
     """Return the residual of the stage equations (slices, NODES, N)."""
-    return Y - pitch.begins(start, Y)[:, None] - pitch.slices.widths[:, None, None] * (INTEGRALS @ f)
+    return Y - pitch.begins(start, Y)[:, None] - pitch.mesh.widths[:, None, None] * (INTEGRALS @ f)
 
 
 def size_of(open_: Array, Y: Array) -> float:

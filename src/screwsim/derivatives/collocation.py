@@ -9,7 +9,7 @@ import numpy as np
 
 from screwsim.cycle.feedback import LineInflow
 from screwsim.cycle.problem import Problem
-from screwsim.derivatives import chamber_newton, slices
+from screwsim.derivatives import chamber_newton, mesh, radau
 from screwsim.derivatives.argument_changes import ArgumentChange
 from screwsim.derivatives.chamber_newton import SMALL, ChamberFactors, approach, damped, limited_step, residual_of
 from screwsim.derivatives.crossings import crossings
@@ -75,7 +75,7 @@ class Placed(NamedTuple):
     """Edges of slices [rad] without those around crossings, and the crossings."""
 
     edges: Array
-    crossings: list[slices.Crossing]
+    crossings: list[mesh.Crossing]
 
 
 class CollocatedCycle(NamedTuple):
@@ -162,27 +162,27 @@ def _collocated(
     Or begin with those of a cycle nearby, which need no refinement.
     """
     machinery.put(life)
-    seams, course = slices.fixed_edges(machinery, problem.parts), course_of(machinery.trajectory)
+    seams, course = mesh.fixed_edges(machinery, problem.parts), course_of(machinery.trajectory)
     if len(course.events) > MOST_EVENTS:
         raise NotClosed(f"valves meet seat and stop, or leave them, {len(course.events)} times in a turn")
     if not course.returns:
         raise NotClosed("a valve rests at one end of the turn and moves at the other")
     seams = np.sort(np.concatenate([seams, course.angles]))
-    if len(course.events) and np.diff(seams).min() <= slices.LEAST:
+    if len(course.events) and np.diff(seams).min() <= mesh.LEAST:
         raise NotClosed("a valve meets its seat or stop, or leaves it, at the angle of another event")
     tolerance = fineness.error * ERROR * problem.scene.numerics.accuracy
     tolerance *= OF_TURN if machinery.alone else 1.0
     if good := isinstance(begin, Placed):
         plain, before = begin
     else:
-        plain, before = slices.edges_of(machinery, seams, begin, fineness.longest * slices.LONGEST), []
-    pitch = pitch_of(problem, machinery, slices.between(plain), seams, course)
+        plain, before = mesh.edges_of(machinery, seams, begin, fineness.longest * mesh.LONGEST), []
+    pitch = pitch_of(problem, machinery, mesh.Mesh.between(plain), seams, course)
     Y, linear, closing, own = np.empty(0), None, good, ChamberFactors()
     turns = _with_vanished(crossings(pitch), before)
     for left in range(ROUNDS, 0, -1):
         highest = peak(machinery.trajectory, problem.parts.geometry)[1] % float(machinery.composition.P[P_PITCH])
-        edges = slices.with_rings(plain, seams, turns, (fineness.ring, fineness.wider), highest)
-        pitch = pitch_of(problem, machinery, slices.between(edges), seams, course)
+        edges = mesh.with_rings(plain, seams, turns, (fineness.ring, fineness.wider), highest)
+        pitch = pitch_of(problem, machinery, mesh.Mesh.between(edges), seams, course)
         kept = linear if linear is not None and linear.pitch.count == pitch.count and not pitch.alone else None
         within = FIRST_ROUND_FACTOR if left == ROUNDS else STATES_SHARE
         placed = None if closing or pitch.alone else approach(pitch, within * tolerance, own)
@@ -197,8 +197,8 @@ def _collocated(
         if not good:
             errors = errors_of(pitch, start, Y)
             good, of_plain = bool(errors.max() <= fineness.divided * tolerance), np.zeros(len(plain) - 1)
-            np.maximum.at(of_plain, np.searchsorted(plain, pitch.slices.middles) - 1, errors)
-            plain = slices.refined(plain, of_plain, tolerance)
+            np.maximum.at(of_plain, np.searchsorted(plain, pitch.mesh.middles) - 1, errors)
+            plain = mesh.refined(plain, of_plain, tolerance)
         closing = good or left <= 3
     if missed := pitch.missed(Y):
         raise NotClosed(missed)
@@ -208,16 +208,14 @@ def _collocated(
     return CollocatedCycle(pitch, start, Y, slopes, sums, numbers, pitch.unknowns_in, into, Placed(plain, turns))
 
 
-def pitch_of(
-    problem: Problem, machinery: Machinery, of: slices.Slices, seams: Array, course: Course
-) -> CollocatedPitch:
+def pitch_of(problem: Problem, machinery: Machinery, of: mesh.Mesh, seams: Array, course: Course) -> CollocatedPitch:
     """Return the pitch of all chambers on slices, or the turn of a single one with its events."""
     if machinery.alone:
         return CollocatedTurn(problem, machinery, of, seams, course)
     return CollocatedPitch(problem, machinery, of)
 
 
-def _with_vanished(turns: list[slices.Crossing], before: list[slices.Crossing]) -> list[slices.Crossing]:
+def _with_vanished(turns: list[mesh.Crossing], before: list[mesh.Crossing]) -> list[mesh.Crossing]:
     """Return crossings together with earlier ones that have disappeared, as where pressures barely touch.
 
     Each earlier one is matched with at most one that is present: of two close together, one may be lost.
@@ -237,7 +235,7 @@ def _with_vanished(turns: list[slices.Crossing], before: list[slices.Crossing]) 
     return sorted([*turns, *(one for i, one in enumerate(before) if i not in met)])
 
 
-def _slices_still_fit(turns: list[slices.Crossing], before: list[slices.Crossing], bound: float) -> bool:
+def _slices_still_fit(turns: list[mesh.Crossing], before: list[mesh.Crossing], bound: float) -> bool:
     """Return whether all crossings are where slices were ended for them, within so many of their `share` of a layer."""
     if len(before) != len(turns):
         return False
@@ -247,11 +245,11 @@ def _slices_still_fit(turns: list[slices.Crossing], before: list[slices.Crossing
 
 def errors_of(pitch: CollocatedPitch, start: Array, Y: Array) -> Array:
     """Return the relative error of each slice: Radau's embedded estimate, of order 3, separately for each chamber."""
-    before, widths = pitch.begins(start, Y), pitch.slices.widths
-    f, own = pitch.slopes_at(pitch.slices.edges[:-1], before)
-    defect = f + slices.EMBEDDED @ (Y - before[:, None]) / widths[:, None]
+    before, widths = pitch.begins(start, Y), pitch.mesh.widths
+    f, own = pitch.slopes_at(pitch.mesh.edges[:-1], before)
+    defect = f + radau.EMBEDDED @ (Y - before[:, None]) / widths[:, None]
     own = own.swapaxes(0, 1)
-    matrix = (slices.EIGENVALUE / widths)[:, None, None, None] * np.eye(pitch.n) - own
+    matrix = (radau.EIGENVALUE / widths)[:, None, None, None] * np.eye(pitch.n) - own
     found = np.abs(np.linalg.solve(matrix, defect.reshape(*own.shape[:-1], 1))).reshape(defect.shape)
     return (found / np.maximum(np.maximum(np.abs(before), np.abs(Y[:, -1])), SMALL)).max(axis=1)
 
@@ -288,7 +286,7 @@ def _closed(
         response, of_unknowns = linear.respond(stages, conditions), linear.first
         before = size
         cycle = CollocatedCycle(
-            pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in, read[2], Placed(pitch.slices.edges, [])
+            pitch, read[0], Y, linear.slopes, read[1], at, unknowns_in, read[2], Placed(pitch.mesh.edges, [])
         )
         back = unknowns_response(cycle, of_unknowns, 0)
         change = solve_unknowns(back, off + unknowns_response(cycle, response, 1)[:, 0], _stated_unknowns(back))

@@ -9,9 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.derivatives.mesh import CORNER_LAYER, Crossing, share_before
 from screwsim.derivatives.phases import border_crossings
 from screwsim.derivatives.pitch import CollocatedPitch
-from screwsim.derivatives.slices import CORNER_LAYER, SHARES, Crossing, share_before
+from screwsim.derivatives.radau import SHARES
 from screwsim.effects.base import FlowPath
 from screwsim.model.slots import FREE, P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PORT_STATE, PRESSURE
 from screwsim.model.trajectory import Trajectory
@@ -51,11 +52,11 @@ def crossings(pitch: CollocatedPitch) -> list[Crossing]:
     Crossings of phase borders are included. A gap carries little, but near its turning its flow is as steep in the
     pressures as that of a port.
     """
-    slices = pitch.slices
-    angles = (slices.edges[:-1, None] + slices.widths[:, None] * SAMPLED_SHARES).ravel()
-    wide = np.repeat(slices.widths, len(SAMPLED_SHARES))
+    mesh = pitch.mesh
+    angles = (mesh.edges[:-1, None] + mesh.widths[:, None] * SAMPLED_SHARES).ravel()
+    wide = np.repeat(mesh.widths, len(SAMPLED_SHARES))
     if pitch.alone:  # at the dead centre, where a turn begins, the gas that is left begins to expand
-        angles, wide = np.append(slices.edges[0], angles), np.append(wide[0], wide)
+        angles, wide = np.append(mesh.edges[0], angles), np.append(wide[0], wide)
     c, life = pitch.machinery.composition, pitch.machinery.trajectory
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
     states = life.states_at((starts[:, None] + angles).ravel()).reshape(c.chambers, len(angles), -1)

@@ -140,7 +140,7 @@ class Directions:
         there = self.spare.pitch_breakpoints()  # it holds this problem's numbers (`numbers`)
         if len(there) == len(self.breakpoints):
             rates = (there - self.breakpoints) / by
-            edges = self.cycle.pitch.slices.edges  # move as breakpoints do, interpolated between these
+            edges = self.cycle.pitch.mesh.edges  # move as breakpoints do, interpolated between these
             return ArgumentChange(numbers, np.interp(edges, self.breakpoints, rates) if rates.any() else None)
         ways = np.sign(by) * self._ways(there, float(self.cycle.at.P[P_PITCH]))
         some = ways[ways != 0.0]
@@ -155,7 +155,7 @@ class Directions:
         ways = np.zeros(len(self.breakpoints))
         moves = apart[np.arange(len(apart)), nearest]
         np.add.at(ways, nearest, np.where(np.abs(moves) > SAME, moves, 0.0))
-        ends, found = self.cycle.pitch.slices.edges[1:], np.zeros(self.cycle.pitch.count)
+        ends, found = self.cycle.pitch.mesh.edges[1:], np.zeros(self.cycle.pitch.count)
         at = np.abs(ends[:, None] - self.breakpoints)
         on = at.min(axis=1) < SAME
         found[on] = np.sign(ways[at[on].argmin(axis=1)])

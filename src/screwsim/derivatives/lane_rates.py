@@ -12,8 +12,8 @@ import numpy as np
 from screwsim.codegen.kinds import FLOAT, INTEGER, LANES, Kind
 from screwsim.codegen.program import CannotCompile
 from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.radau import NODES
 from screwsim.derivatives.rate_numbers import RateNumbers
-from screwsim.derivatives.slices import NODES
 from screwsim.model.run import Machinery
 from screwsim.model.side_by_side import address, aligned
 from screwsim.model.trajectory import CoupledContext
@@ -85,8 +85,8 @@ def rates(pitch: CollocatedPitch, Y: Array, edges: Array | None = None) -> tuple
     entry = _entry(pitch.machinery)
     if entry is None:
         return pitch.rates(Y, edges)
-    slices, many = pitch.slices if edges is None else pitch.slices._replace(edges=edges), pitch.count * NODES
-    asked, numbers = (slices.angles.ravel(), slices.middles[pitch.of_nodes], Y.reshape(many, -1)), [pitch.numbers]
+    mesh, many = pitch.mesh if edges is None else pitch.mesh.with_edges(edges), pitch.count * NODES
+    asked, numbers = (mesh.angles.ravel(), mesh.middles[pitch.of_nodes], Y.reshape(many, -1)), [pitch.numbers]
     found = []
     for rows in pitch.runs(pitch.of_nodes):
         some = rows.stop - rows.start
@@ -109,15 +109,15 @@ def rates_of(pitch: CollocatedPitch, Y: Array, asked: Sequence[RateRequest]) -> 
     Each range has as many entries as there are lanes, or fewer at the end, where the other lanes are meaningless.
     The pitch's numbers are left as they were.
     """
-    at, shape, slices = pitch.numbers, (pitch.count, NODES), pitch.slices
+    at, shape, mesh = pitch.numbers, (pitch.count, NODES), pitch.mesh
     for first in range(0, len(asked), LANES):
         now = asked[first : first + LANES]
         entry = _entry(pitch.machinery) if len(now) >= FEWEST_LANES else None
         if entry is not None:
-            middles, y = np.repeat(slices.middles, NODES), Y.reshape(-1, pitch.N)
-            angles = slices.angles.ravel()
+            middles, y = np.repeat(mesh.middles, NODES), Y.reshape(-1, pitch.N)
+            angles = mesh.angles.ravel()
             moved = [each.edges for each in now]
-            own = [angles if e is None else slices._replace(edges=e).angles.ravel() for e in moved]
+            own = [angles if e is None else mesh.with_edges(e).angles.ravel() for e in moved]
             lanes = []
             for rows in pitch.runs(pitch.of_nodes):
                 laid = ([each[rows] for each in every] for every in (own, [middles] * len(now), [y] * len(now)))

@@ -209,7 +209,7 @@ class LinearisedPitch:
     def _equations(self) -> tuple[Array, Array, int, int]:
         """The arguments for factoring the stage equations."""
         reach = max(self.pitch.machinery.composition.offsets, default=1)
-        return self.slopes.by_states, self.pitch.slices.widths, self.pitch.n, max(1, reach)
+        return self.slopes.by_states, self.pitch.mesh.widths, self.pitch.n, max(1, reach)
 
     def _through(
         self, now: Array, right: Array, borders: Sequence[BorderCrossing], numbers: Sequence[RateNumbers]
@@ -250,7 +250,7 @@ class LinearisedPitch:
 
     def _summed(self, nodes: Array) -> Array:
         """Return the change of the quadratures with changes at the nodes (slices, NODES, N, k)."""
-        sums, widths = np.zeros((self.pitch.machinery.nq, nodes.shape[-1])), self.pitch.slices.widths
+        sums, widths = np.zeros((self.pitch.machinery.nq, nodes.shape[-1])), self.pitch.mesh.widths
         slopes = self.slopes.g_by_states
         compiled().sweeps__add_through(
             slopes.reshape(-1, *slopes.shape[2:]), nodes.reshape(-1, *nodes.shape[2:]), widths, sums

@@ -13,9 +13,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.derivatives.mesh import CORNER_LAYER, SHARE_BEFORE, Crossing
 from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.rate_numbers import RateNumbers
-from screwsim.derivatives.slices import CORNER_LAYER, SHARE_BEFORE, Crossing
 from screwsim.model.slots import P_PITCH, S_RHO, S_T
 from screwsim.numerics.roots import bisected
 
@@ -81,8 +81,8 @@ def _existing_edge(pitch: CollocatedPitch, chamber: int, angle: float) -> float:
     After that end the gas is held in its other phase, whose rates determine the border: it would alternate
     otherwise.
     """
-    end = int(np.searchsorted(pitch.slices.edges, angle)) - 1
-    at = float(pitch.slices.edges[end])
+    end = int(np.searchsorted(pitch.mesh.edges, angle)) - 1
+    at = float(pitch.mesh.edges[end])
     passes = end > 0 and pitch.phases[end - 1, chamber] != pitch.phases[end, chamber]
     return at + SHARE_BEFORE * CORNER_LAYER if passes and ENDS[0] < angle - at < ENDS[1] else angle
 

@@ -17,8 +17,9 @@ from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.events import Course
+from screwsim.derivatives.mesh import Mesh
+from screwsim.derivatives.radau import INTEGRALS, NODES
 from screwsim.derivatives.rate_numbers import LinearEvent, RateNumbers
-from screwsim.derivatives.slices import INTEGRALS, NODES, Slices
 from screwsim.derivatives.sweeps import compiled as sweeps
 from screwsim.model import compiled
 from screwsim.model.numbers import oil_places
@@ -51,17 +52,17 @@ class CollocatedPitch:
 
     problem: Problem
     machinery: Machinery
-    slices: Slices
+    mesh: Mesh
     phases: Array = field(init=False)
 
     def __post_init__(self) -> None:
         c = self.machinery.composition
-        self.n, self.N, self.count = self.machinery.n, c.chambers * self.machinery.n, len(self.slices.middles)
+        self.n, self.N, self.count = self.machinery.n, c.chambers * self.machinery.n, len(self.mesh.middles)
         self.q = self.machinery.nq + (c.chambers > 1)  # the last one of several is the gas across the injection angle
         self.phases = np.full((self.count, c.chambers), FREE)
         if self.has_phases:
             starts = float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None]
-            states = self.machinery.states_at((starts + self.slices.middles).ravel())
+            states = self.machinery.states_at((starts + self.mesh.middles).ravel())
             self.phases[:] = self.phases_of(states).reshape(c.chambers, -1).T
 
     # ---- numbers -----------------------------------------------------------------------------------------------
@@ -92,7 +93,7 @@ class CollocatedPitch:
         """Return the states at the nodes (slices, NODES, N), read from the last history."""
         c = self.machinery.composition
         pitch = float(c.P[P_PITCH])
-        inside = np.minimum(self.slices.angles.ravel(), pitch * (1.0 - INSIDE))
+        inside = np.minimum(self.mesh.angles.ravel(), pitch * (1.0 - INSIDE))
         at = self.machinery.states_at((pitch * np.arange(c.chambers)[:, None] + inside).ravel())
         return at.reshape(c.chambers, -1, self.n).transpose(1, 0, 2).reshape(self.count, NODES, self.N)
 
@@ -201,9 +202,9 @@ class CollocatedPitch:
 
     def rates(self, Y: Array, edges: Array | None = None) -> tuple[Array, Array]:
         """Return the rates of states and quadratures at the nodes, or at those of other edges."""
-        slices = self.slices if edges is None else self.slices._replace(edges=edges)
+        mesh = self.mesh if edges is None else self.mesh.with_edges(edges)
         f, g = np.empty((self.count * NODES, self.N)), np.empty((self.count * NODES, self.q))
-        asked = self._asked(Y, slices)
+        asked = self._asked(Y, mesh)
         for rows in self.runs(self.of_nodes):
             self.machinery.together.slices__rates_at_all(*(e[rows] for e in asked), *self._context, f[rows], g[rows])
         return f.reshape(self.count, NODES, -1), g.reshape(self.count, NODES, -1)
@@ -229,12 +230,12 @@ class CollocatedPitch:
 
     def rates_in(self, phases: Array, edge: int, y: Array) -> tuple[Array, Array]:
         """Return the rates of states and quadratures at the start of a slice, for states y, chambers held in phases."""
-        slices, f, g = self.slices, np.empty((1, self.N)), np.empty((1, self.q))
+        mesh, f, g = self.mesh, np.empty((1, self.N)), np.empty((1, self.q))
         cells = self._held()
         free = cells.copy()
         cells[:] = self.held[edge]
         cells[: len(phases)] = phases
-        asked = slices.edges[edge : edge + 1], slices.middles[edge : edge + 1], np.array(y[None])
+        asked = mesh.edges[edge : edge + 1], mesh.middles[edge : edge + 1], np.array(y[None])
         self.machinery.together.slices__rates_at_all(*asked, *self._context, f, g)
         cells[:] = free
         return f[0], g[0]
@@ -262,7 +263,7 @@ class CollocatedPitch:
 
     def slopes(self, Y: Array) -> Slopes:
         """Return the rates and their derivatives by the states at the nodes."""
-        *found, _ = self._slopes(self.of_nodes, *self._asked(Y, self.slices))
+        *found, _ = self._slopes(self.of_nodes, *self._asked(Y, self.mesh))
         return Slopes(*(each.reshape(self.count, NODES, *each.shape[1:]) for each in found))
 
     def by_own_states(self, Y: Array, slices: Array) -> Array:
@@ -270,14 +271,14 @@ class CollocatedPitch:
 
         The order is chamber by chamber (chambers slices, NODES, n, n).
         """
-        angles, of = self.slices.angles[slices].ravel(), np.repeat(slices, NODES)
+        angles, of = self.mesh.angles[slices].ravel(), np.repeat(slices, NODES)
         y = np.ascontiguousarray(Y[slices]).reshape(-1, self.N)
-        found = self._slopes(of, angles, self.slices.middles[of], y, alone=True)[-1]
+        found = self._slopes(of, angles, self.mesh.middles[of], y, alone=True)[-1]
         return found.reshape(-1, NODES, self.n, self.n)
 
     def slopes_at(self, angles: Array, y: Array) -> tuple[Array, Array]:
         """Return the rates at one angle in each slice, and the derivatives of each chamber's by its own states."""
-        f, *_, own = self._slopes(np.arange(self.count), angles, self.slices.middles, y, alone=True)
+        f, *_, own = self._slopes(np.arange(self.count), angles, self.mesh.middles, y, alone=True)
         return f, own.reshape(-1, len(angles), self.n, self.n)
 
     def _slopes(self, of: Array, *asked: Array, alone: bool = False) -> tuple[Array, ...]:
@@ -306,9 +307,9 @@ class CollocatedPitch:
                 module.slices__derivatives_at_all(*asked)
         module.slices__derivatives_at_all(*asked)
 
-    def _asked(self, Y: Array, slices: Slices) -> tuple[Array, Array, Array]:
+    def _asked(self, Y: Array, mesh: Mesh) -> tuple[Array, Array, Array]:
         """Return angles, middles and states in the form that the kernels take."""
-        return slices.angles.ravel(), slices.middles[self.of_nodes], np.ascontiguousarray(Y).reshape(-1, self.N)
+        return mesh.angles.ravel(), mesh.middles[self.of_nodes], np.ascontiguousarray(Y).reshape(-1, self.N)
 
     @property
     def _context(self) -> tuple[Any, int]:
@@ -323,7 +324,7 @@ class CollocatedPitch:
 
     def sums(self, g: Array, widths: Array | None = None) -> Array:
         """Return the quadratures over the pitch from their rates at the nodes; a further axis is kept."""
-        found = np.einsum("k,j,kj...->...", self.slices.widths if widths is None else widths, INTEGRALS[-1], g)
+        found = np.einsum("k,j,kj...->...", self.mesh.widths if widths is None else widths, INTEGRALS[-1], g)
         return found[: self.machinery.nq]
 
     def life(self, y: Array, Y: Array, after: Array) -> Array:
@@ -351,13 +352,13 @@ class CollocatedPitch:
     def install_shifted(self, y: Array, Y: Array, by: float, change: Any) -> None:
         """Install the polynomials of states at the start and the nodes with a multiple of a `linear.Response`."""
         after = self.after(Y) + by * change.after
-        edges = self.slices.edges + by * (change.events @ self.events_move)
+        edges = self.mesh.edges + by * (change.events @ self.events_move)
         self.install_life(self.life(y + by * change.start, Y + by * change.nodes, after), edges)
 
     def install_life(self, life: Array, edges: Array | None = None) -> None:
         """Install a life's dense output as the last history."""
         machinery, c = self.machinery, self.machinery.composition
-        edges = self.slices.edges if edges is None else edges
+        edges = self.mesh.edges if edges is None else edges
         begins = float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None] + edges[:-1]
         machinery.install(np.append(begins, c.P[P_LIFE]), life, 0.0)
 

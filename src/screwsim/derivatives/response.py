@@ -82,7 +82,7 @@ def shifted_evaluation(
 
     def fill() -> None:
         edges, moved = direction.change.edges, response.events @ pitch.events_move
-        edges = pitch.slices.edges + by * (moved if edges is None else moved + edges)
+        edges = pitch.mesh.edges + by * (moved if edges is None else moved + edges)
         pitch.install_life(all_directions.life + by * moves.life(), edges)
 
     turning = None

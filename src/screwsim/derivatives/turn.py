@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.derivatives.events import UNIT, Course, Event, EventLaws, hats
+from screwsim.derivatives.mesh import Mesh
 from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.radau import NODES
 from screwsim.derivatives.rate_numbers import Changes, LinearEvent, RateNumbers
-from screwsim.derivatives.slices import NODES, between
 from screwsim.model.impacts import MOVES
 from screwsim.model.slots import FREE, P_INJECTION, PORT_STATE, PRESSURE
 from screwsim.numerics.history import NUDGE
@@ -58,12 +59,12 @@ class CollocatedTurn(CollocatedPitch):
         super().__post_init__()
         self.laws = EventLaws(self.machinery)
         self.switches = self._switches()
-        self.modes = self.course.modes()[np.searchsorted(self.course.angles, self.slices.middles)]
+        self.modes = self.course.modes()[np.searchsorted(self.course.angles, self.mesh.middles)]
 
     def _switches(self) -> Array:
         """Return the switch of each path on each slice (slices, paths): whether a check valve is open; else FREE."""
         parts, life = self.problem.parts, self.machinery.trajectory
-        found, middles = np.full((self.count, len(parts.ports)), FREE), self.slices.middles
+        found, middles = np.full((self.count, len(parts.ports)), FREE), self.mesh.middles
         for i, (_, path) in enumerate(parts.ports):
             if path.one_way:
                 number = parts.number(path.to)
@@ -92,7 +93,7 @@ class CollocatedTurn(CollocatedPitch):
 
     def read(self) -> Array:
         """Return the states at the nodes (slices, NODES, N), read from the last history: at events those before it."""
-        angles = self.slices.angles.copy()
+        angles = self.mesh.angles.copy()
         angles[:, -1] -= 2.0 * NUDGE
         return self.machinery.states_at(angles.ravel()).reshape(self.count, NODES, self.N)
 
@@ -118,7 +119,7 @@ class CollocatedTurn(CollocatedPitch):
     def injection_slice(self) -> int:
         """The slice that ends at the angle where cells are set."""
         at = float(self.machinery.composition.P[P_INJECTION])
-        return int(np.abs(self.slices.edges[1:] - at).argmin())
+        return int(np.abs(self.mesh.edges[1:] - at).argmin())
 
     def at_injection(self, Y: Array) -> Array:
         """Return the states at the angle where cells are set."""
@@ -133,7 +134,7 @@ class CollocatedTurn(CollocatedPitch):
     @property
     def passed(self) -> Sequence[int]:
         """The slices that end with an event."""
-        return (np.searchsorted(self.slices.edges, self.course.angles) - 1).tolist()
+        return (np.searchsorted(self.mesh.edges, self.course.angles) - 1).tolist()
 
     def after(self, Y: Array) -> Array:
         """Return the states after each event (events, N), from those at the nodes."""
@@ -153,7 +154,7 @@ class CollocatedTurn(CollocatedPitch):
     @property
     def events_move(self) -> Array:
         """How the edges of slices move with the unknown of each event (events, edges)."""
-        return UNIT * hats(self.slices.edges, self.seams, self.course.angles)
+        return UNIT * hats(self.mesh.edges, self.seams, self.course.angles)
 
     def share_of_move(self, by: Array) -> float:
         """Return the share of a change of the events' unknowns that leaves them in their order."""
@@ -164,10 +165,10 @@ class CollocatedTurn(CollocatedPitch):
     def move_events(self, by: Array) -> None:
         """Move the edges of slices with the unknowns of events."""
         angles, passed = self.course.angles + UNIT * by, np.array(self.passed, int)
-        edges, seams = self.slices.edges + by @ self.events_move, self.seams.copy()
+        edges, seams = self.mesh.edges + by @ self.events_move, self.seams.copy()
         seams[np.searchsorted(seams, self.course.angles)] = angles
         edges[passed + 1] = angles
-        self.slices, self.seams, self.course = between(edges), seams, self.course.moved(angles)
+        self.mesh, self.seams, self.course = Mesh.between(edges), seams, self.course.moved(angles)
 
     def with_events_moved(self, edges: Array, seams: Array, course: Course) -> tuple[Array, Array, Course]:
         """Return other edges, the seams and the events where these are now."""
