@@ -92,7 +92,7 @@ def along(
             there = None if edges is None else pitch.mesh.edges + sign * step * edges
             asked.append(RateRequest(at.plus(sign * step, numbers), there))
     own: list[Array] = []
-    for which, *found in rates_of(pitch, Y, asked):
+    for which, *found in rates_of(pitch.rates, Y, asked):
         found = [rates.reshape(-1, *rates.shape[2:]) for rates in found]
         own = own or [rates[..., 0].copy() for rates in found]
         lane, widths = int(not which.start), pitch.mesh.widths
@@ -153,12 +153,12 @@ def along_events(pitch: CollocatedPitch, Y: Array, right: Array) -> Array:
     Changes of the stage equations are added to `right` (slices, NODES, N, events). They are those of every second event
     at once, each in the slices that it reaches, up to its neighbours.
     """
-    at, edges, moves, step = pitch.numbers, pitch.mesh.edges, pitch.events_move, step_of(pitch)
+    at, edges, moves, step = pitch.numbers, pitch.mesh.edges, pitch.events.moves(pitch.mesh.edges), step_of(pitch)
     sums = np.zeros((pitch.machinery.nq, len(moves)))
     if not len(moves):
         return sums
     sides = [edges + step * moves[first::2].sum(axis=0) for first in (0, 1)]
-    (_, *rates), *_ = rates_of(pitch, Y, [RateRequest(at, None), *(RateRequest(at, each) for each in sides)])
+    (_, *rates), *_ = rates_of(pitch.rates, Y, [RateRequest(at, None), *(RateRequest(at, each) for each in sides)])
     for event, move in enumerate(moves):
         reached = (move[:-1] != 0.0) | (move[1:] != 0.0)
         here, there = (np.diff(each)[reached, None, None] for each in (edges, sides[event % 2]))

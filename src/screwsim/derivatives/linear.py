@@ -17,8 +17,10 @@ from screwsim.cycle.linear_pitch import shifted
 from screwsim.derivatives.argument_changes import SMALL, ArgumentChange, along, along_events, step_of
 from screwsim.derivatives.blocks import Blocks, follow_once
 from screwsim.derivatives.line_flows import by_states, flows_of, pulsates
+from screwsim.derivatives.node_rates import Slopes
+from screwsim.derivatives.period import RUN_CELLS
 from screwsim.derivatives.phases import BorderCrossing
-from screwsim.derivatives.pitch import CollocatedPitch, Slopes
+from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.derivatives.sweeps import compiled
 from screwsim.effects.base import LINES
@@ -100,26 +102,6 @@ class Response(NamedTuple):
         return self._replace(**{name: made(getattr(self, name)) for name in names})
 
 
-def injection(pitch: CollocatedPitch, Y: Array) -> tuple[Array, Array]:
-    """Return the derivatives of states after the injection, and of the cells it sets, by the states before it."""
-    N, n, index = pitch.N, pitch.n, pitch.injected
-    states, cells = np.eye(N), np.zeros((len(pitch.cells()), N))
-    if index is None:
-        return states, cells
-    before, step = pitch.at_injection(Y), step_of(pitch)
-    for i in range(index * n, index * n + n):
-        size = max(abs(before[i]), SMALL)
-        found = []
-        for sign in (1.0, -1.0):
-            y = before.copy()
-            y[i] += sign * step * size
-            found.append(pitch.injects(y, pitch.numbers))
-        states[:, i] = (found[0][0] - found[1][0]) / (2.0 * step * size)
-        cells[:, i] = (found[0][1] - found[1][1]) / (2.0 * step * size)
-    states[list(pitch.begin_at_rest)] = 0.0
-    return states, cells
-
-
 class Followed(NamedTuple):
     """Changes followed through a pitch, a column each: at nodes (slices, NODES, N, K), of quadratures, of line flows.
 
@@ -168,14 +150,14 @@ class LinearisedPitch:
         own: RateEffects | None = None,
     ) -> None:
         self.pitch, self.slopes = pitch, slopes
-        self.inject, self.noted = injection(pitch, Y)
-        sizes, N = np.maximum(np.abs(pitch.cells()), SMALL), pitch.N
+        self.inject, self.noted = pitch.period.jacobian(Y, step_of(pitch))
+        sizes, N = np.maximum(np.abs(pitch.period.cells()), SMALL), pitch.N
         c = pitch.machinery.composition
         ratio = not c.carried and "T_oil" in c.states  # whether rates depend on the oil ratio (the first cell) ...
-        self._feels = [*([0] if ratio else []), *range(pitch.run_cells, len(sizes))]  # ... and on what a pump uses
-        felt = [ArgumentChange(pitch.cells_as_numbers(each)) for each in np.diag(sizes)[self._feels]]
+        self._feels = [*([0] if ratio else []), *range(RUN_CELLS, len(sizes))]  # ... and on what a pump uses
+        felt = [ArgumentChange(pitch.period.cells_as_numbers(each)) for each in np.diag(sizes)[self._feels]]
         cells, nothing = N + len(felt), pitch.numbers.times(0.0)
-        self._events = pitch.linear_events(Y)
+        self._events = pitch.events.linearised(Y, pitch.numbers)
         moving = [ArgumentChange(nothing)] * len(self._events)  # of the edges alone, by `along_events`
         self._known = cells + len(moving)  # columns before those of changes
         columns = self._known + len(changes)
@@ -195,7 +177,7 @@ class LinearisedPitch:
             right[..., N : N + first] = own.right
             of_rates, lines = (np.concatenate(both, axis=-1) for both in zip(own[1:], rest, strict=True))
         self.own = own
-        of_cells = map(pitch.cells_as_numbers, np.eye(len(sizes))[self._feels])
+        of_cells = map(pitch.period.cells_as_numbers, np.eye(len(sizes))[self._feels])
         numbers = [*of_cells, *(each.numbers for each in (*moving, *changes))]
         found = self._through(np.eye(N, right.shape[-1]), right, borders, numbers)
         found.sums[:] += self._summed(found.nodes)
@@ -265,7 +247,9 @@ class LinearisedPitch:
         """Return the changes of the next start, of the cells, and of the conditions of events, a column each."""
         pitch, nodes = self.pitch, followed.nodes
         end = shifted(nodes[-1, -1], pitch.machinery.composition.chambers)
-        return np.concatenate([self.inject @ end, self.noted @ pitch.before_injection(nodes), followed.conditions])
+        return np.concatenate(
+            [self.inject @ end, self.noted @ pitch.period.change_before_injection(nodes), followed.conditions]
+        )
 
     def _closing(self) -> Array:
         """Return the inverse of 1 − (the map of start and cells over one period); events: of minus their conditions."""

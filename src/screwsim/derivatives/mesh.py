@@ -8,6 +8,7 @@ of the states shows nothing. So slices end there and are as short as that layer 
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple, Self
 
@@ -48,7 +49,8 @@ class Crossing(NamedTuple):
     share: float = SHARE_BEFORE
 
 
-class Mesh(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Mesh:
     """Slices of a pitch: edges (slices + 1,) [rad], and middles (slices,) [rad] that select a side at breakpoints."""
 
     edges: Array
@@ -61,7 +63,7 @@ class Mesh(NamedTuple):
 
     def with_edges(self, edges: Array) -> Self:
         """Return the mesh with edges [rad] moved a little: nodes move, their segments of the laws stay."""
-        return self._replace(edges=edges)
+        return type(self)(edges, self.middles)
 
     @property
     def count(self) -> int:

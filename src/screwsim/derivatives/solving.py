@@ -26,14 +26,8 @@ from screwsim.derivatives.around import (
     problem_at,
     shift_size,
 )
-from screwsim.derivatives.collocation import (
-    FINE,
-    CollocatedCycle,
-    Fineness,
-    NotClosed,
-    collocated,
-    collocated_nearby,
-)
+from screwsim.derivatives.collocated_cycle import CollocatedCycle, NotClosed
+from screwsim.derivatives.collocation import FINE, Fineness, collocated, collocated_nearby
 from screwsim.derivatives.directions import Direction, Directions, Structural
 from screwsim.derivatives.driven import closed_with_drive
 from screwsim.derivatives.linear import Response
