@@ -6,7 +6,7 @@ from closed_points import closed_point
 from near_arrays import assert_near
 
 from screwsim.derivatives import chamber_newton, lane_rates, newton, residual
-from screwsim.derivatives.blocks import Blocks, follow_once
+from screwsim.derivatives.block_bidiagonal import BlockBidiagonal, follow_once
 from screwsim.derivatives.collocated_cycle import NotClosed
 from screwsim.derivatives.mesh import Mesh
 from screwsim.derivatives.node_rates import NodeRates
@@ -37,7 +37,7 @@ def test_what_is_followed_solves_the_stage_equations(cycle):
     pitch, J = cycle.pitch, cycle.slopes.by_states
     draw = np.random.default_rng(1)
     start, right = draw.normal(size=(pitch.N, 3)), draw.normal(size=(*cycle.nodes.shape, 3))
-    blocks = Blocks(J, pitch.mesh.widths, pitch.n, max(pitch.machinery.composition.offsets))
+    blocks = BlockBidiagonal(J, pitch.mesh.widths, pitch.n, max(pitch.machinery.composition.offsets))
     found = blocks.follow(start, right.copy())
     once = follow_once(J, pitch.mesh.widths, pitch.n, max(pitch.machinery.composition.offsets), start, right.copy())
     np.testing.assert_array_equal(once, found)
@@ -52,7 +52,7 @@ def test_what_is_followed_chamber_by_chamber_begins_with_what_the_one_before_lea
     chambers, draw = pitch.N // n, np.random.default_rng(2)
     J = cycle.slopes.by_states.reshape(pitch.count, 3, chambers, n, chambers, n)
     own = np.ascontiguousarray(J[:, :, range(chambers), :, range(chambers)]).reshape(-1, 3, n, n)
-    blocks = Blocks(own, np.tile(pitch.mesh.widths, chambers), n, 0)
+    blocks = BlockBidiagonal(own, np.tile(pitch.mesh.widths, chambers), n, 0)
     right, inject = draw.normal(size=cycle.nodes.shape), draw.normal(size=(pitch.N, pitch.N))
     found = blocks.follow_one_by_one(right.copy(), inject)
     for j in range(chambers):

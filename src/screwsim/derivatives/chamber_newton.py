@@ -11,7 +11,7 @@ import numpy as np
 
 from screwsim.derivatives import residual
 from screwsim.derivatives.argument_changes import step_of
-from screwsim.derivatives.blocks import Blocks
+from screwsim.derivatives.block_bidiagonal import BlockBidiagonal
 from screwsim.derivatives.lane_rates import rates
 from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.residual import largest_by_slice
@@ -38,16 +38,16 @@ class ChamberFactors:
     iteration then converges too slowly, the slices to blame are factored anew.
     """
 
-    blocks: Blocks | None = None
+    blocks: BlockBidiagonal | None = None
     edges: Array = field(default_factory=lambda: np.zeros(1))
     states: Array = field(default_factory=lambda: np.zeros(0))
     good: bool = True  # whether iterations with them converged fast enough
 
-    def of(self, pitch: CollocatedPitch) -> Blocks | None:
+    def of(self, pitch: CollocatedPitch) -> BlockBidiagonal | None:
         """Return the kept factors, if they may serve a pitch."""
         return self.blocks if pitch.count == len(self.edges) - 1 else None
 
-    def begun(self, pitch: CollocatedPitch, Y: Array, alike: float = 0.0) -> Blocks:
+    def begun(self, pitch: CollocatedPitch, Y: Array, alike: float = 0.0) -> BlockBidiagonal:
         """Return the factors for a pitch with other slices; only slices that are new or have moved are factored.
 
         Those of slices whose widths differ by up to a share `alike` are taken over.
@@ -57,7 +57,7 @@ class ChamberFactors:
         states = self.states[self._before(pitch)]
         return self.renewed(pitch, Y, largest_by_slice(Y - states, Y) > UNCHANGED_WITHIN, alike)
 
-    def renewed(self, pitch: CollocatedPitch, Y: Array, wrong: Array, alike: float) -> Blocks:
+    def renewed(self, pitch: CollocatedPitch, Y: Array, wrong: Array, alike: float) -> BlockBidiagonal:
         """Return the factors for a pitch where those of `wrong` slices, and of ones that are not `alike`, are new."""
         assert self.blocks is not None
         edges, before, at = pitch.mesh.edges, self.edges, self._before(pitch)
@@ -73,7 +73,7 @@ class ChamberFactors:
         """Return the index of the kept slice that holds the middle of each slice of a pitch."""
         return np.clip(np.searchsorted(self.edges, pitch.mesh.middles) - 1, 0, len(self.edges) - 2)
 
-    def anew(self, pitch: CollocatedPitch, Y: Array) -> Blocks:
+    def anew(self, pitch: CollocatedPitch, Y: Array) -> BlockBidiagonal:
         """Return, and keep, new factors for a pitch at given states."""
         self.blocks, self.edges = _blocks(pitch, Y, np.arange(pitch.count)), pitch.mesh.edges
         self.states = Y
@@ -134,10 +134,10 @@ def closed(pitch: CollocatedPitch, Y: Array, bound: float, kept: ChamberFactors)
     return None
 
 
-def _blocks(pitch: CollocatedPitch, Y: Array, slices: Array) -> Blocks:
+def _blocks(pitch: CollocatedPitch, Y: Array, slices: Array) -> BlockBidiagonal:
     """Return the factored stage equations of each chamber alone, for some slices."""
     chambers, n = pitch.N // pitch.n, pitch.n
-    return Blocks(pitch.rates.by_own_states(Y, slices), np.tile(pitch.mesh.widths[slices], chambers), n, 0)
+    return BlockBidiagonal(pitch.rates.by_own_states(Y, slices), np.tile(pitch.mesh.widths[slices], chambers), n, 0)
 
 
 def damped(change: Array, last: Array) -> Array:
