@@ -60,8 +60,10 @@ class Fineness(NamedTuple):
     estimated: bool = True
 
 
-FINE = Fineness(0.1, 1.0, 1.0, 0.5, 0.7)  # errors of 1e-5 of a derivative, in 95 of 100
-QUICK = Fineness(10.0, 20.0, 10.0, 2.0, 1.6, 1.5, 50.0, False)  # errors of 1e-3
+FINE = Fineness(error=0.1, ring=0.5, wider=0.7)  # errors of 1e-5 of a derivative, in 95 of 100
+QUICK = Fineness(
+    error=10.0, divided=20.0, closed=10.0, ring=2.0, wider=1.6, longest=1.5, near=50.0, estimated=False
+)  # errors of 1e-3
 
 
 def collocated(problem: Problem, machinery: Machinery, life: Trajectory, fineness: Fineness = FINE) -> CollocatedCycle:
