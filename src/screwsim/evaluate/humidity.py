@@ -19,7 +19,7 @@ from screwsim.evaluate.performance import NONE_DELIVERED, NONE_LEAVES
 from screwsim.evaluate.separator import Circuit
 from screwsim.fluid import water
 from screwsim.fluid.moist_air import DRIEST, MoistAir
-from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, R_TRAPPED
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS, R_TRAPPED, S_RHO, S_T, S_X_OIL
 from screwsim.outputs.customary import HOUR, celsius, in_celsius
 
 if TYPE_CHECKING:
@@ -119,15 +119,13 @@ def chamber_share(of: Evaluation, gas: MoistAir, below: float = np.inf) -> float
     problem, life = of.problem, of.life
     angles = np.arange(0.0, problem.parts.geometry.life, STEP)
     states, oil, trapped = life.states_at(angles), problem.parts.oil, float(life.R[R_TRAPPED])
-    most = 0.0
-    for angle, state in zip(angles.tolist(), states, strict=True):
-        T, rho = float(state[0]), float(state[1])
-        if T >= below:
-            continue
-        liquid = gas.liquid_share(T, rho)
+    wet, most = np.flatnonzero((life.phases(states) != 0) & (states[:, S_T] < below)), 0.0
+    for angle, state in zip(angles[wet].tolist(), states[wet].tolist(), strict=True):
+        rho = state[S_RHO]
+        liquid = gas.liquid_share(state[S_T], rho)
         if liquid > 0.0:
             roomed = problem.composition.oil_room and oil is not None
-            room = 1.0 + float(state[3]) * rho / oil.density if roomed and oil is not None else 1.0
+            room = 1.0 + state[S_X_OIL] * rho / oil.density if roomed and oil is not None else 1.0
             most = max(most, liquid * rho * life.volume(angle) / room)
     return min(most / (gas.share * trapped), 1.0) if trapped > 0.0 else 0.0
 

@@ -40,14 +40,10 @@ def _heats(of: Evaluation, angles: np.ndarray, seen: Mapping[str, np.ndarray]) -
         return found
     ratio, P = float(of.life.R[R_RATIO]), of.life.composition.P
     names = ("T", "gas_mass", "pressure", "rho", "volume", "T_oil", "oil_mass")
-    rows = np.column_stack([seen[name] for name in names]).tolist()
+    held, heat = np.column_stack([seen[name] for name in names]), np.empty(len(angles))
     for i, name in enumerate(rates):
-        heat = [
-            float(module.heat_part(i, T, m, p, rho, V, phi, T_oil, m_oil, ratio, P))
-            for phi, (T, m, p, rho, V, T_oil, m_oil) in zip(angles.tolist(), rows, strict=True)
-        ]
-        key = f"heat_{name}"
-        found[key] = found.get(key, 0.0) + np.array(heat)
+        module.trace__heats_along(i, angles, held, ratio, P, heat)
+        found[f"heat_{name}"] = found.get(f"heat_{name}", 0.0) + heat
     return found
 
 

@@ -212,6 +212,7 @@ def _read_with(network: Network) -> tuple[Kernel, ...]:
         trace.oil_with_outflow: network.heated and not network.carried,
         line_flow.into_lines: network.pulsating,
         line_flow.line_pulses: network.pulsating,
+        trace.heats_along: bool(network.heats),
         trace.oil_films: any(gap.film or gap.drag for gap in network.gaps),
         trace.port_oil: network.ported,
         trace.given_off_along: network.dissolves,
