@@ -24,7 +24,6 @@ from screwsim.model.slots import P_GAP_WIDTH, P_OMEGA, P_PITCH, PORT_STATE, PRES
 Array = np.ndarray
 OF_WIDTH = 1e-5  # step of differences over the regularisation: a tenth of a node's distance from a turning ...
 LEAST, MOST = 1e-10, 1e-9  # ... within these bounds
-SMALL = 1e-3  # least size of a state or a cell, for relative steps
 
 
 def step_along(change: ArgumentChange, at: RateNumbers, step: float) -> float:

@@ -16,8 +16,7 @@ from screwsim.derivatives.line_flows import line_inflow
 from screwsim.derivatives.linear import LinearisedPitch, Response
 from screwsim.derivatives.peak import peak
 from screwsim.derivatives.pitch import CollocatedPitch
-from screwsim.derivatives.rate_numbers import RateNumbers
-from screwsim.derivatives.residual import SMALL
+from screwsim.derivatives.rate_numbers import SMALL, RateNumbers
 from screwsim.derivatives.unknowns import unknowns_of
 from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery

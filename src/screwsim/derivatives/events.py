@@ -14,7 +14,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from screwsim.derivatives.mesh import Mesh
-from screwsim.derivatives.rate_numbers import RateNumbers
+from screwsim.derivatives.rate_numbers import SMALL, RateNumbers
 from screwsim.model.impacts import LEAVES, MOVES, SEATED, STOPPED
 from screwsim.model.run import Machinery
 from screwsim.model.slots import S_RHO, S_T
@@ -22,7 +22,6 @@ from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 SHIFT = 1e-6  # relative, for differences of a push by states and numbers: it is nearly linear
-SMALL = 1e-3  # least size of a state, for that
 UNIT = 100.0  # [rad] of an event's angle as an unknown: a relative step of differences then moves it far above rounding
 MOST_MOVED = 0.3  # of the distance between two events, or an event and a breakpoint, in one iteration
 BEYOND = 1e-6  # of the lift, or of the push: what is left open that is no missed event

@@ -14,14 +14,14 @@ import numpy as np
 
 from screwsim.codegen.kinds import LANES
 from screwsim.cycle.linear_pitch import shifted
-from screwsim.derivatives.argument_changes import SMALL, ArgumentChange, along, along_events, step_of
+from screwsim.derivatives.argument_changes import ArgumentChange, along, along_events, step_of
 from screwsim.derivatives.block_bidiagonal import BlockBidiagonal, follow_once
 from screwsim.derivatives.line_flows import by_states, flows_of, pulsates
 from screwsim.derivatives.node_rates import Slopes
 from screwsim.derivatives.period import RUN_CELLS
 from screwsim.derivatives.phases import BorderCrossing
 from screwsim.derivatives.pitch import CollocatedPitch
-from screwsim.derivatives.rate_numbers import RateNumbers
+from screwsim.derivatives.rate_numbers import SMALL, RateNumbers
 from screwsim.derivatives.sweeps import compiled
 from screwsim.effects.base import LINES
 from screwsim.numerics.identity_cache import once

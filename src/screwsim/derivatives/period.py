@@ -11,7 +11,7 @@ import numpy as np
 from screwsim.cycle.linear_pitch import shifted
 from screwsim.derivatives.events import Course
 from screwsim.derivatives.mesh import Mesh
-from screwsim.derivatives.rate_numbers import RateNumbers
+from screwsim.derivatives.rate_numbers import SMALL, RateNumbers
 from screwsim.model.impacts import MOVES
 from screwsim.model.numbers import oil_places
 from screwsim.model.parts import Parts
@@ -19,7 +19,6 @@ from screwsim.model.run import Machinery
 from screwsim.model.slots import P_INJECTION, P_PITCH, R_RATIO, R_SIZE
 
 Array = np.ndarray
-SMALL = 1e-3  # least size of a state, for relative steps of differences
 RUN_CELLS = R_SIZE - R_RATIO  # cells in R; further ones are in P
 
 

@@ -7,6 +7,7 @@ import numpy as np
 from screwsim.model.run import Machinery
 
 Array = np.ndarray
+SMALL = 1e-3  # least size of a state or a cell, for relative steps and residuals
 
 
 class RateNumbers(NamedTuple):

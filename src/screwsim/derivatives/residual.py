@@ -9,11 +9,11 @@ from screwsim.derivatives.lane_rates import rates
 from screwsim.derivatives.line_flows import line_inflow
 from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.radau import INTEGRALS
+from screwsim.derivatives.rate_numbers import SMALL
 from screwsim.derivatives.shifted_life import ShiftedLife
 from screwsim.derivatives.unknowns import coordinates_of, image, unknowns_of
 
 Array = np.ndarray
-SMALL = 1e-3  # least size of a state, for relative residuals
 
 
 class Residual(NamedTuple):
