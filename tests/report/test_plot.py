@@ -240,6 +240,20 @@ def test_one_case_is_not_called_the_best(kept):
     assert not chosen_trace(kept.showing({"operation.speed": "1000 rpm"})).title.startswith("best case")
 
 
+def test_a_case_whose_cycle_is_not_there_is_told(tmp_path):
+    def slow_only(scene):
+        fast = scene.operation.speed > 150.0
+        return Result("failed", message="too fast (choose a lower one)") if fast else screwsim.simulate(scene)
+
+    scene, path = loads(SCENE).with_({"sweep.operation.speed": ["1000 rpm", "3000 rpm"]}), tmp_path / "x.h5"
+    run_sweep(scene.with_({"output.keep": "cycle"}), path, jobs=1, simulate=slow_only)
+    with pytest.raises(screwsim.UsageError, match=r"holds no cycle of this case, which failed \(choose another\)"):
+        draw_figures(path, tmp_path, at={"operation.speed": "3000 rpm"})
+    run_sweep(scene, tmp_path / "y.h5", jobs=1, simulate=ok)
+    with pytest.raises(screwsim.UsageError, match=r"holds no cycle of a case to draw \(write output.keep: cycle"):
+        draw_figures(tmp_path / "y.h5", tmp_path, at={"operation.speed": "3000 rpm"})
+
+
 @pytest.fixture(scope="module")
 def two_files(tmp_path_factory):
     """Return two files of one figure over the speed, the second of other speeds and gaps."""

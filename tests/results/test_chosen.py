@@ -43,6 +43,14 @@ def test_a_value_as_it_is_printed_is_the_one_that_is_meant(grid):
         ),
         ({"operation.sped": "1000 rpm"}, "operation.sped is not known; did you mean 'operation.speed'?"),
         ({"operation.speed": "3000"}, "operation.speed: '3000' has no unit (write e.g. '3000 rpm')"),
+        (
+            {"gas.fluid": "R134a"},
+            "gas.fluid is not known (use one that the sweep varies: operation.speed, oil_supply.temperature)",
+        ),
+        (
+            {"operation.speed": None},
+            "operation.speed: None is neither a number nor a text (write e.g. '2950 rpm')",
+        ),
     ],
 )
 def test_what_no_case_has_is_told_with_what_there_is(grid, values, says):

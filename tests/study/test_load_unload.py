@@ -4,6 +4,7 @@ import math
 
 import pytest
 
+from screwsim.effects.air_package import Unloaded
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.us_units import GALLON
@@ -11,7 +12,7 @@ from screwsim.scene import load
 from screwsim.study.datasheet import SheetOptions, sheet_of
 from screwsim.study.datasheet.air_rating import Point, Rating
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
-from screwsim.study.datasheet.load_unload import LoadUnload, Receiver, read_receiver
+from screwsim.study.datasheet.load_unload import LoadUnload, Receiver, check_receiver, read_receiver
 from screwsim.study.datasheet.units import METRIC
 
 FLOW, POWER, SHUT, IDLE = 0.3, 100e3, 73e3, 25e3
@@ -90,7 +91,9 @@ def test_a_package_that_stops_starts_as_often_as_its_receiver_fills():
     table = year_table(sheet, shares)
     assert table.heads[3] == "cycles/h" and table.rows[0][3] == f"{3600.0 / period:.1f}"
     assert "starts and stops, with a receiver of 2 m³ and a band of 0.7 bar (assumed)" in table.note
-    assert year_document(shares)["demands"][0]["cycles_per_hour"] == pytest.approx(3600.0 / period)
+    document = year_document(shares, sheet.receiver)
+    assert document["demands"][0]["cycles_per_hour"] == pytest.approx(3600.0 / period)
+    assert document["receiver"] == {"volume": 2.0, "band": 0.7e5}
 
 
 def test_a_sheet_counts_three_simulated_points_of_the_package(tmp_path):
@@ -131,4 +134,22 @@ def test_a_receiver_is_read_in_any_unit_and_told_in_words():
 def test_what_is_no_receiver_is_told_in_one_line(receiver, band, says):
     with pytest.raises(UsageError) as told:
         _ = SheetOptions(receiver=receiver, band=band).storage
+    assert says in str(told.value) and "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("band", "separator", "says"),
+    [
+        (7.5e5, 2.5e5, "--band: 7.5 bar is not below the 7.5 bar of the package's outlet over its inlet (choose"),
+        (
+            0.7e5,
+            8.5e5,
+            "separator_pressure: 8.5 bar is not below the 8.5 bar of the outlet, so nothing is vented (lower",
+        ),
+    ],
+)
+def test_pressures_that_no_package_reaches_off_load_are_refused(band, separator, says):
+    check_receiver(Receiver(2.0, 7.4e5), 1e5, 8.5e5, Unloaded(intake_pressure=1e4, separator_pressure=8.4e5))
+    with pytest.raises(UsageError) as told:
+        check_receiver(Receiver(2.0, band), 1e5, 8.5e5, Unloaded(intake_pressure=1e4, separator_pressure=separator))
     assert says in str(told.value) and "\n" not in str(told.value)

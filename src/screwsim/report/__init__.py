@@ -36,8 +36,7 @@ def plot(
     results = open_results(path)
     if at:
         results = results.showing(at)
-        if "angle" not in results.cycle:
-            raise UsageError(f"{path}: holds no cycle of a case to draw (write output.keep: cycle in its scene)")
+        _check_cycle(path, results)
     kinds = (front, sweeps, samples, maps, cycle, entropy, ledger)
     plans = dict(plan for kind in kinds for plan in kind.plans(results, *([measured] if kind is cycle else [])))
     for stage, own in results.stages.items():
@@ -45,6 +44,18 @@ def plot(
     if not plans:
         raise UsageError(f"{path}: has nothing to draw: {_why(results)}")
     return write_all(plans, path.with_suffix("") if folder is None else folder)
+
+
+def _check_cycle(path: Path, results: Results) -> None:
+    """Raise UsageError where the case that is asked for has no cycle to draw."""
+    from screwsim.report.trace import best_case
+
+    if results.stages:
+        raise UsageError(f"{path}: holds no cycles of the cases of two stages (simulate this one with screwsim run -o)")
+    if "angle" not in results.cycle:
+        raise UsageError(f"{path}: holds no cycle of a case to draw (write output.keep: cycle in its scene)")
+    if best_case(results) is None:
+        raise UsageError(f"{path}: holds no cycle of this case, which failed (choose another)")
 
 
 def _why(results: Results) -> str:

@@ -42,7 +42,7 @@ def cases_with(results: Results, values: Mapping[str, Any]) -> np.ndarray:
             there = ", ".join(results.varied)
             if not there:
                 raise UsageError(f"{path}: {results.path} has a single case (leave it out)")
-            raise UsageError(f"{path} {unknown_key(path, results.varied, f'the sweep varies {there}')}")
+            raise UsageError(f"{path} {unknown_key(path, results.varied, f'one that the sweep varies: {there}')}")
         own = results.along(path)
         same = _same(own, _read(path, value))
         if not same.any():
@@ -68,7 +68,10 @@ def _same(own: np.ndarray, asked: Any) -> np.ndarray:
 def _read(path: str, value: Any) -> Any:
     """Return a value [SI] of a path, a text where it is no number."""
     if not isinstance(value, str):
-        return float(value)
+        try:
+            return float(value)
+        except TypeError:
+            raise UsageError(f"{path}: {value!r} is neither a number nor a text (write e.g. '2950 rpm')") from None
     leaf = _leaf(path)
     if leaf is not None and leaf.dimension is not None:
         with refused_at(path):

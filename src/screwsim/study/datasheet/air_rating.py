@@ -22,7 +22,7 @@ from screwsim.simulate import simulate_many
 from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.hottest_room import Room, hottest_rooms
-from screwsim.study.datasheet.load_unload import PATH, LoadUnload, Receiver
+from screwsim.study.datasheet.load_unload import PATH, LoadUnload, Receiver, check_receiver
 from screwsim.study.datasheet.rated import base_of
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.pool.progress import Progress
@@ -113,6 +113,8 @@ def rating(
     speeds = sorted(scene.sweep.get(SPEED, (scene.operation.speed,)), reverse=True)
     progress, idle, shut = progress or Progress(), None, None
     vents = receiver is not None and package.unloaded is not None
+    if receiver is not None:
+        check_receiver(receiver, lines(base).p_s, lines(base).p_d, package.unloaded)
     progress.start(len(speeds) + (package.unloaded is not None) + vents + len(bounds), 0)
     try:
         points = _rated_points(base, speeds, progress)

@@ -62,7 +62,7 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
         verdict=_verdict(rated.regulation),
         notes=list(_notes(scene, every)),
         drawings=list(drawings_of(rated)),
-        document={**_document(scene, rated), **({"profile": year_document(shares)} if shares else {})},
+        document={**_document(scene, rated), **({"profile": year_document(shares, rated.receiver)} if shares else {})},
         ok=all(point.ok for point in every),
     )
 

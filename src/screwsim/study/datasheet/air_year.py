@@ -19,7 +19,7 @@ from screwsim.outputs.us_units import CFM, FOOT
 from screwsim.scene.units import NUMBER, parse_quantity, refused_at
 from screwsim.study.datasheet.air_rating import Point, Rating
 from screwsim.study.datasheet.load_unload import OPTION as RECEIVER
-from screwsim.study.datasheet.load_unload import LoadUnload
+from screwsim.study.datasheet.load_unload import LoadUnload, Receiver
 from screwsim.study.datasheet.sheet import Table
 from screwsim.study.datasheet.units import METRIC
 
@@ -177,7 +177,7 @@ def _notes(rated: Rating, shares: Sequence[DemandShare]) -> Iterator[str]:
             yield f"below its lowest flow it loads and unloads{with_receiver}; {rated.control.words}"
 
 
-def year_document(shares: Sequence[DemandShare]) -> dict[str, Any]:
+def year_document(shares: Sequence[DemandShare], receiver: Receiver | None = None) -> dict[str, Any]:
     """Return a profile for `--json`, in SI units; hours stay hours."""
     hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
     rows = [
@@ -186,4 +186,5 @@ def year_document(shares: Sequence[DemandShare]) -> dict[str, Any]:
          **({} if share.rate is None else {"cycles_per_hour": HOUR * share.rate})}
         for share in shares
     ]  # fmt: skip
-    return {"demands": rows, "hours": hours, "energy": energy, "volume": volume}
+    stored = {} if receiver is None else {"receiver": {"volume": receiver.volume, "band": receiver.band}}
+    return {"demands": rows, "hours": hours, "energy": energy, "volume": volume, **stored}

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Self
 from screwsim.effects.air_package import Unloaded
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.customary import in_bar
 from screwsim.outputs.us_units import GALLON
 from screwsim.scene.lines import Lines
 from screwsim.scene.units import parse_quantity, refused_at
@@ -56,6 +57,18 @@ def read_receiver(volume: str | None, band: str | None) -> Receiver | None:
         BAND if band is None else _above_zero(BAND_OPTION, "pressure_difference", band),
         band is None,
     )
+
+
+def check_receiver(receiver: Receiver, inlet: float, outlet: float, unloaded: Unloaded | None = None) -> None:
+    """Raise UsageError where a band, or the separator off load, does not lie below the outlet's pressure [Pa]."""
+    if receiver.band >= outlet - inlet:
+        what = (
+            f"{in_bar(receiver.band)} is not below the {in_bar(outlet - inlet)} of the package's outlet over its inlet"
+        )
+        raise UsageError(f"{BAND_OPTION}: {what} (choose a narrower one, e.g. 0.7 bar)")
+    if unloaded is not None and unloaded.separator_pressure >= outlet:
+        what = f"{in_bar(unloaded.separator_pressure)} is not below the {in_bar(outlet)} of the outlet"
+        raise UsageError(f"{PATH}.separator_pressure: {what}, so nothing is vented (lower it)")
 
 
 def _above_zero(option: str, kind: str, text: str) -> float:

@@ -20,7 +20,7 @@ from screwsim.study.datasheet.air_rating import Point, Rating, control_of
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.columns import BAR, KW, NONE, Column, in_units
-from screwsim.study.datasheet.load_unload import Receiver
+from screwsim.study.datasheet.load_unload import Receiver, check_receiver
 from screwsim.study.datasheet.rated import Part, answers_of
 from screwsim.study.datasheet.sheet import Sheet, Table
 from screwsim.study.datasheet.units import Units
@@ -62,6 +62,8 @@ def air_stages_sheet(
 
     Raises UsageError for axes other than speeds.
     """
+    if receiver is not None:
+        check_receiver(receiver, lines(chain.first).p_s, lines(chain.second).p_d)
     own, found = _rated(chain, jobs, progress)
     speeds = [_reached(each, result) for each, result in zip(own, found, strict=True)]
     points = [Point(both[0], each.as_result()) for both, each in zip(speeds, found, strict=True)]
@@ -73,6 +75,7 @@ def air_stages_sheet(
         [*(f"{speed / RPM:.0f}" for speed in both), *air_sheet.point_row(point, rated.full, units)[1:]]
         for both, point in zip(speeds, points, strict=True)
     ]
+    profile = {"profile": year_document(shares, receiver)} if shares else {}
     tables = [Table("Points", heads, rows, across=True), *_stage_tables(speeds, points, found, units)]
     return Sheet(
         heading="Two-stage air package, rating by ISO 1217",
@@ -81,7 +84,7 @@ def air_stages_sheet(
         tables=[*tables, *([year_table(rated, shares)] if shares else [])],
         notes=list(_notes(chain, speeds, points)),
         drawings=list(air_sheet.drawings_of(rated)),
-        document={**_document(chain, speeds, rated, found), **({"profile": year_document(shares)} if shares else {})},
+        document={**_document(chain, speeds, rated, found), **profile},
         ok=all(point.ok for point in points),
     )
 
