@@ -94,6 +94,11 @@ def test_what_hardly_is_so_is_taken_and_warned_of_at_its_path(override, what):
     assert "\n" not in warning
 
 
+def test_a_value_at_its_usual_bound_is_not_told_however_its_unit_rounds():
+    at_bound = load(CONFIGS / "paper" / "point.yaml", overrides=["operation.ambient_pressure=1.1 bar"])
+    assert at_bound.operation.ambient_pressure > 1.1e5 and not scene_warnings(at_bound)
+
+
 @each_row(("oil", "tip_speed", "usual"), [(True, 79, None), (True, 100, 80), (False, 100, None), (False, 160, 150)])
 def test_tips_are_usually_slower_with_oil_than_without(oil, tip_speed, usual):
     dry = [] if oil else ["oil=null", "oil_supply=null", "effects=null"]

@@ -43,6 +43,7 @@ from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
 
 MILLIKELVIN = 1e-3  # [K]
+ROUNDING = 1e-12  # relative, of a value that its unit converts: 1.1 bar are 110 000.000 000 000 01 Pa
 ASK_IF_MEANT = "is that intended?"
 # share of the largest volume that a table's smallest may have: the displacement is off by as much
 LEAST_VOLUME_SHARE = 1e-3
@@ -92,7 +93,7 @@ def _outside_usual_range(part: Any, path: str) -> Iterator[tuple[str, str]]:
     leaves, sections = _bounded(type(part))
     for name, leaf, low, high in leaves:
         value = getattr(part, name)
-        if value is not None and not low <= value <= high:
+        if value is not None and not low - ROUNDING * abs(low) <= value <= high + ROUNDING * abs(high):
             over = value > high
             usual = f"at most {_shown(leaf, high)}" if over else f"at least {_shown(leaf, low)}"
             yield f"{path}.{name}", f"{_shown(leaf, value)} is unusual (usual: {usual})"
