@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from each_row import each_row
 
 import screwsim
 from screwsim.explain import explain
@@ -264,3 +265,22 @@ def test_an_edge_that_meets_the_end_of_a_port_leaves_the_lesser_of_both():
     assert 0.0 < area.max() < 2.0  # the shutting branch has less than half its width left at 690 deg
     with pytest.raises(UsageError, match="less than 10 deg before the end of discharge"):
         moved_area(angles, areas, math.radians(711.0), 3.0)
+
+
+@each_row(
+    ("rows", "says"),
+    [
+        ([(650, 0)], "port.csv': has 1 rows; a curve needs at least 3"),
+        (
+            [(800, 0), (810, 9e-4), (836, 0)],
+            "opens so close to the end of discharge that nothing is left of the port (begin",
+        ),
+    ],
+)
+def test_a_table_that_places_no_port_beside_rotors_is_told_once_at_its_file(tmp_path, rows, says):
+    port = write(tmp_path / "port.csv", "area_m2", rows)
+    stated = f"machine.discharge_port={{law: table, file: {port}}}"
+    with pytest.raises(SceneError) as refused:
+        screwsim.load(CONFIGS / "rotors" / "b.yaml", [stated, "machine.built_in_volume_ratio=null"])
+    (line,) = refused.value.lines
+    assert ": machine.discharge_port.file: " in line and says in line

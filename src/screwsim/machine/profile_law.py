@@ -141,8 +141,14 @@ def laid_curves(machine: TwinScrew) -> LaidCurves:
         raise UsageError("\n".join(map(str, _missing(machine))))
     sizes = machine.male_lobes, machine.female_lobes, machine.rotor_diameter, machine.rotor_length
     rotors = make_rotors(profile, *sizes)
-    ratio = _ratio_as_drawn(rotors, machine) if ratio is None else ratio
-    return _laid(rotors, ratio, machine.axial_volume_ratio, machine.slide_valve)
+    found = _ratio_as_drawn(rotors, machine) if ratio is None else ratio
+    try:
+        return _laid(rotors, found, machine.axial_volume_ratio, machine.slide_valve)
+    except UsageError as error:
+        if ratio is not None or not str(error).startswith("machine.built_in_volume_ratio: "):
+            raise
+        what = "opens so close to the end of discharge that nothing is left of the port (begin it earlier)"
+        raise UsageError(f"machine.discharge_port.file: {what}") from None
 
 
 def _opens_as_drawn(machine: TwinScrew) -> bool:
@@ -261,13 +267,15 @@ def check_profile_law(machine: TwinScrew) -> list[Fault]:
     try:
         laid_curves(machine)
     except UsageError as error:
-        return [_fault(line) for line in str(error).splitlines()]
+        return [_fault(line, machine) for line in str(error).splitlines()]
     return []
 
 
-def _fault(line: str) -> Fault:
+def _fault(line: str, machine: TwinScrew) -> Fault:
     path, _, what = line.partition(": ")
-    return Fault(path, what) if path.startswith("machine.") else Fault("machine.profile.file", line)
+    of_table = machine.discharge_port is not None and path == machine.discharge_port.file
+    other = "machine.discharge_port.file" if of_table else "machine.profile.file"
+    return Fault(path, what) if path.startswith("machine.") else Fault(other, line)
 
 
 def volume_table(curves: Curves, rotors: Rotors, born: float) -> Table:

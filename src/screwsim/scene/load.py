@@ -364,6 +364,8 @@ def _read(root: Node, given: Mapping[str, WrittenTolerance], folder: str, proble
     uncertain, correlated = read_tolerances(given, root, scene, problems)
     named = read_model_error(root.value.get(BLOCK), problems)
     scene = replace(scene, uncertain=FixedDict(uncertain), correlated=correlated, model_error=named)
-    faults: list[Fault] = [*cross_check(scene), *check_files(scene)]
+    of_files = check_files(scene)
+    told = {fault.path for fault in of_files}
+    faults: list[Fault] = [*(fault for fault in cross_check(scene) if fault.path not in told), *of_files]
     problems += [LocatedFault(pointer(root, fault.path), fault.path, fault.what) for fault in faults]
     return scene
