@@ -273,7 +273,7 @@ def test_an_edge_that_meets_the_end_of_a_port_leaves_the_lesser_of_both():
         ([(650, 0)], "port.csv': has 1 rows; a curve needs at least 3"),
         (
             [(800, 0), (810, 9e-4), (836, 0)],
-            "opens so close to the end of discharge that nothing is left of the port (begin",
+            "opens so close to the end of discharge that nothing is left of the port",
         ),
     ],
 )
