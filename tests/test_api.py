@@ -263,6 +263,14 @@ def test_derivatives_cost_nothing_before_they_are_asked_for(monkeypatch):
         result.derivatives["shaft_power", "operation.speed"]
 
 
+def test_a_result_without_uncertainties_says_how_to_find_them(result):
+    assert not result.uncertainty
+    with pytest.raises(KeyError, match=r"shaft_power: simulate finds no uncertainties .*screwsim.uncertainty\(scene\)"):
+        result.uncertainty["shaft_power"]
+    assert "screwsim.uncertainty(scene)" in repr(result.uncertainty)
+    assert pickle.loads(pickle.dumps(result)) == result
+
+
 def test_a_result_equals_its_copies_and_nothing_else(result):
     copies = pickle.loads(pickle.dumps(result)), copy.deepcopy(result)
     assert all(each == result for each in copies) and result in copies

@@ -234,8 +234,8 @@ NEWCOMERS = [
     (
         "model: ideal",
         "model: covolume",
-        "x.yaml:13:10: gas.model: 'covolume' is not an option (choose from: ideal, real, or the dotted name of a module "
-        "of your own)",
+        "x.yaml:13:10: gas.model: 'covolume' is not an option (choose from: ideal, real, or the dotted name of a "
+        "module of your own)",
     ),
     (
         "model: ideal",
