@@ -239,6 +239,11 @@ def test_a_figure_says_its_unit_and_meaning_and_is_a_number(result):
     assert again == power and repr(again) == repr(power) and type(power + 1.0) is float
 
 
+def test_a_difference_of_temperatures_is_printed_in_K_and_keeps_its_unit():
+    superheat = screwsim.simulate(POINT.parents[1] / "rotors" / "b.yaml").performance.suction_superheat
+    assert repr(superheat).startswith(f"{float(superheat)!r} K, ") and superheat.units == "kelvin"
+
+
 def test_balances_errors_and_ledger_say_their_units(result):
     assert "relative residual of the gas mass balance" in repr(result.balance)
     assert repr(result.error.shaft_power).endswith(", relative numerical error of shaft power")
