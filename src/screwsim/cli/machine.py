@@ -76,7 +76,8 @@ def startup(
             found = start_up(scene, slow, longest, told)
     except Interrupted as pressed:
         found = pressed.found
-    options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_startup, scene.title, found)
+    printed = partial(print_startup, changed=options.changes(overrides, without))
+    options.print_document_or_text(as_json, lambda _, found: found.as_json(), printed, scene.title, found)
     if folder is not None and found.traces:
         make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
         written = [write_traces(folder / TRACES, found)]
@@ -103,6 +104,8 @@ def datasheet(
     profile: str | None = option(
         "LOADS.csv", "Flows and hours of an air package; adds its energy use over them.", "--profile"
     ),
+    receiver: Text = option("VOLUME", "Receiver on which that package loads and unloads, e.g. '2 m^3'."),
+    band: Text = option("PRESSURE", "Its pressure band (default: 0.7 bar)."),
     units: Literal["metric", "us"] = option(
         "metric|us", "Units of the sheet (of --json always SI).", "--units", default="metric"
     ),
@@ -122,7 +125,9 @@ def datasheet(
 
     ranges = dict(zip(RANGE_OPTIONS, (evaporating, condensing, suction, discharge), strict=True))
     with options.counted_progress("datasheet", "parts") as shown:
-        sheet = sheet_of(rated, SheetOptions(ranges, limits or (), heating, profile, jobs, shown, units))
+        sheet = sheet_of(
+            rated, SheetOptions(ranges, limits or (), heating, profile, jobs, shown, units, receiver, band)
+        )
     if changes := options.changes(overrides, without):  # the title may name what they replace
         sheet = replace(sheet, lines=[*sheet.lines, ("changed", ", ".join(changes))])
     options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)

@@ -16,10 +16,11 @@ from screwsim.outputs.customary import RPM, with_printed_units
 from screwsim.scene import grid
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet import air_sheet, stages_sheet
-from screwsim.study.datasheet.air_rating import Point, Rating
+from screwsim.study.datasheet.air_rating import Point, Rating, control_of
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.columns import BAR, KW, NONE, Column, in_units
+from screwsim.study.datasheet.load_unload import Receiver
 from screwsim.study.datasheet.rated import Part, answers_of
 from screwsim.study.datasheet.sheet import Sheet, Table
 from screwsim.study.datasheet.units import Units
@@ -52,15 +53,20 @@ def is_air_package(chain: StageChain) -> bool:
 def air_stages_sheet(
     chain: StageChain,
     demands: Sequence[Demand],
+    receiver: Receiver | None,
     jobs: int | None,
     progress: Progress | None,
     units: Units,
 ) -> Sheet:
-    """Return the sheet of two stages of air, with the energy of demands; raise UsageError for axes but speeds."""
+    """Return the sheet of two stages of air, with the energy of demands met from a receiver.
+
+    Raises UsageError for axes other than speeds.
+    """
     own, found = _rated(chain, jobs, progress)
     speeds = [_reached(each, result) for each, result in zip(own, found, strict=True)]
     points = [Point(both[0], each.as_result()) for both, each in zip(speeds, found, strict=True)]
-    rated = Rating(points, None, None, len(points) > 1, "", units=units)
+    control = None if receiver is None else control_of(receiver, lines(chain.first), points)
+    rated = Rating(points, None, None, len(points) > 1, "", units=units, receiver=receiver, control=control)
     shares = year(rated, demands) if demands else ()
     heads = ("first rpm", "second rpm", *air_sheet.heads_of(units)[1:])
     rows = [
@@ -144,6 +150,22 @@ def _lines(chain: StageChain, rated: Rating, own: ChainResult) -> Iterator[tuple
         losses = [_loss(each, units) for each in own.stages]
         told = [f"{name} stage {loss}" for name, loss in zip(STAGE_NAMES, losses, strict=True) if loss]
         yield "losses", f"{', '.join(told)}, at full flow" if told else "none stated by the scenes"
+        yield from _heat(chain, own, units)
+
+
+def _heat(chain: StageChain, own: ChainResult, units: Units) -> Iterator[tuple[str, str]]:
+    """Yield the heat of both stages at full flow, and the temperature at the outlet, where they are known."""
+    stages = [each.performance for each in own.stages]
+    heats, oil = (
+        [each[name] for each in stages if each.get(name) is not None] for name in ("package_heat", "oil_cooler_duty")
+    )
+    factor, unit = units.heat
+    if len(heats) == len(oil) == len(stages):
+        beside = " beside the intercooler's" if chain.intercooler.kind == "cooler" else ""
+        whole = f"{factor * sum(heats):.1f} {unit}{beside} at full flow"
+        yield "heat", f"{whole}, {factor * sum(oil):.1f} {unit} of it in the oil coolers"
+    if (T := stages[1].get("package_discharge_temperature")) is not None:
+        yield "outlet", f"air at {units.degrees(T, '.1f')}"
 
 
 def _loss(found: Result, units: Units) -> str:
