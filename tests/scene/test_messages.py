@@ -233,6 +233,12 @@ NEWCOMERS = [
     ),
     (
         "model: ideal",
+        "model: covolume",
+        "x.yaml:13:10: gas.model: 'covolume' is not an option (choose from: ideal, real, or the dotted name of a "
+        "module of your own)",
+    ),
+    (
+        "model: ideal",
         "model: ideal gas",
         "x.yaml:13:10: gas.model: 'ideal gas' is not an option; did you mean 'ideal'? (choose from: ideal, real)",
     ),
