@@ -20,7 +20,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.model.parts import Parts
 from screwsim.model.slots import R_OIL_BEFORE
 from screwsim.outputs import Figures
-from screwsim.outputs.customary import celsius
+from screwsim.outputs.customary import celsius, in_bar
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import FoundWithCycle
 
@@ -228,7 +228,8 @@ def _open_to_suction(of: Evaluation) -> Iterator[str]:
         if opens < ends - OPEN_TO_SUCTION:
             yield (
                 f"effects.{name}: its port opens at {math.degrees(opens):.4g} deg, before {what} ends at "
-                f"{math.degrees(ends):.4g} deg: what it lets in displaces suction gas ({remedy})"
+                f"{math.degrees(ends):.4g} deg: what it lets in at {in_bar(plenum.p)} displaces suction gas of "
+                f"{in_bar(p_s)} ({remedy})"
             )
 
 

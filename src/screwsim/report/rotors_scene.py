@@ -26,6 +26,7 @@ from screwsim.scene.types import ActiveEffect, Scene
 
 TABLE_WIDTH = 79  # line width of the table, for a terminal
 DEG = 180.0 / math.pi
+SAME_ANGLE = 1e-9  # [rad] below which two angles of a table are the same
 LISTED_RATIOS = (2.2, 2.6, 3.2, 4.0)  # built-in volume ratios whose angles are listed beside the scene's
 _SHOWN = {"m^2": (1e6, "mm²"), "m^3": (1e6, "cm³"), "rad": (DEG, "°"), "m": (1e3, "mm"), "1": (1.0, "")}
 OF_PROFILE = {  # key of an effect -> length of the profile that it takes by default
@@ -178,13 +179,16 @@ def _with_own_lengths(scene: Scene) -> dict[str, ActiveEffect]:
 
 
 def _csv(table: Table, unit: str) -> str:
-    return curve_csv(Curve(table.angle, table.value, unit, ()))
+    """Return a table up to where it ends, without the row of zero that says so to the machine's own splines."""
+    inside = table.angle <= table.ends[1] + SAME_ANGLE
+    return curve_csv(Curve(table.angle[inside], table.value[inside], unit, ()))
 
 
 def _path_csv(interfaces: tuple[Interface, ...], gap: float | None) -> str:
     """Return the sum of all interfaces with the first one's offset (such as blow-holes at both cusps) as one table."""
     tables = [interface.table for interface in interfaces if interface.offset == interfaces[0].offset]
     angle = np.unique(np.concatenate([table.angle for table in tables]).round(9))
+    angle = angle[angle <= max(table.ends[1] for table in tables) + SAME_ANGLE]
     value = np.sum([np.interp(angle, table.angle, table.value, left=0.0, right=0.0) for table in tables], axis=0)
     return curve_csv(Curve(angle, (gap or 1.0) * value, "m^2", ()))
 
