@@ -15,7 +15,7 @@ from scenes import make, scene_dict
 
 from screwsim import simulate
 from screwsim.build import build_parts
-from screwsim.cycle.cycle_figures import power_losses
+from screwsim.cycle.powers import power_losses
 from screwsim.effects import catalogue
 from screwsim.effects.base import PowerLoss
 from screwsim.explain import explain

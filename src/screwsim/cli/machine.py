@@ -103,6 +103,8 @@ def datasheet(
     profile: str | None = option(
         "LOADS.csv", "Flows and hours of an air package; adds its energy use over them.", "--profile"
     ),
+    receiver: Text = option("VOLUME", "Receiver on which that package loads and unloads, e.g. '2 m^3'."),
+    band: Text = option("PRESSURE", "Its pressure band (default: 0.7 bar)."),
     units: Literal["metric", "us"] = option(
         "metric|us", "Units of the sheet (of --json always SI).", "--units", default="metric"
     ),
@@ -122,7 +124,9 @@ def datasheet(
 
     ranges = dict(zip(RANGE_OPTIONS, (evaporating, condensing, suction, discharge), strict=True))
     with options.counted_progress("datasheet", "parts") as shown:
-        sheet = sheet_of(rated, SheetOptions(ranges, limits or (), heating, profile, jobs, shown, units))
+        sheet = sheet_of(
+            rated, SheetOptions(ranges, limits or (), heating, profile, jobs, shown, units, receiver, band)
+        )
     if changes := options.changes(overrides, without):  # the title may name what they replace
         sheet = replace(sheet, lines=[*sheet.lines, ("changed", ", ".join(changes))])
     options.print_document_or_text(as_json, lambda found: found.document, print_sheet, sheet)

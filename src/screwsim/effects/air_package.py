@@ -126,6 +126,12 @@ class Unloaded:
 
     intake_pressure: float = quantity("pressure", "absolute pressure after the inlet valve", gt=0.0, le=1e8)
     separator_pressure: float = quantity("pressure", "absolute pressure to which the machine delivers", gt=0.0, le=1e8)
+    venting_time: float | None = quantity(
+        "time", "time in which the separator is blown down, for data sheets (M471)", None, gt=0.0, hardly=(1.0, 300.0)
+    )
+    separator_volume: float | None = quantity(
+        "volume", "gas space of the separator, refilled on loading, for data sheets", None, gt=0.0, hardly=(1e-3, 10.0)
+    )
 
 
 @dataclass(frozen=True)

@@ -40,14 +40,10 @@ def _heats(of: Evaluation, angles: np.ndarray, seen: Mapping[str, np.ndarray]) -
         return found
     ratio, P = float(of.life.R[R_RATIO]), of.life.composition.P
     names = ("T", "gas_mass", "pressure", "rho", "volume", "T_oil", "oil_mass")
-    rows = np.column_stack([seen[name] for name in names]).tolist()
+    held, heat = np.column_stack([seen[name] for name in names]), np.empty(len(angles))
     for i, name in enumerate(rates):
-        heat = [
-            float(module.heat_part(i, T, m, p, rho, V, phi, T_oil, m_oil, ratio, P))
-            for phi, (T, m, p, rho, V, T_oil, m_oil) in zip(angles.tolist(), rows, strict=True)
-        ]
-        key = f"heat_{name}"
-        found[key] = found.get(key, 0.0) + np.array(heat)
+        module.trace__heats_along(i, angles, held, ratio, P, heat)
+        found[f"heat_{name}"] = found.get(f"heat_{name}", 0.0) + heat
     return found
 
 
@@ -56,9 +52,8 @@ def _contents(
 ) -> dict[str, np.ndarray]:
     """Return temperatures and masses of what a chamber holds: gas, oil, and gas dissolved in the oil."""
     life, c, parts = of.life, of.life.composition, of.problem.parts
-    found = {"gas_temperature": states["T"], "gas_mass": states["rho"] * volume}
-    if c.oil_room and parts.oil is not None:
-        found["gas_mass"] /= 1.0 + states["x_oil"] * states["rho"] / parts.oil.density
+    mass = states["rho"] * volume / parts.volume_over_gas(states["rho"], states.get("x_oil", 0.0))
+    found = {"gas_temperature": states["T"], "gas_mass": mass}
     if "T_oil" in c.states:
         present = c.carried | (degrees >= math.degrees(parts.geometry.injection_angle))
         ratio = states["x_oil"] if c.carried else np.where(present, float(life.R[R_RATIO]), 0.0)
@@ -91,9 +86,8 @@ def _flows(
 
 def _traces_of_effects(of: Evaluation, degrees: np.ndarray) -> dict[str, np.ndarray]:
     """Return the traces that effects read of one pitch, over all angles."""
-    parts = of.problem.parts
-    known, pitch = of.known if parts.shaft is None else of.complete, math.degrees(parts.geometry.pitch)
-    found = {}
+    parts, known = of.problem.parts, of.complete
+    pitch, found = math.degrees(parts.geometry.pitch), {}
     for read in [part.traces for _, part in parts.all(Reading) if part.traces is not None]:
         for name, values in read(known).items():
             grid = np.linspace(0.0, pitch, len(values) + 1)

@@ -36,6 +36,8 @@ path_area: Any = Slot("path_area")
 line_pulse: Any = Slot("line_pulse")
 # (T, rho, y, R, P, TAB) → acceleration at rest of each that moves between a seat and a stop
 push_on: Any = Slot("push_on")
+# (i, T, m, p, rho, V, phi, T_oil, m_oil, d, P) → heat [W] that effect i brings from the oil to the gas
+heat_part: Any = Slot("heat_part")
 # (p, m, P) → oil [kg] offered to one chamber at the injection angle
 injected_oil: Any = Slot("injected_oil")
 # (phi, p, P, TAB) → oil [kg/s] through the oil ports of a chamber

@@ -20,6 +20,7 @@ from screwsim.model.slots import (
     gas_phase,
     gas_state,
     given_off,
+    heat_part,
     lets_out,
     mass_rate,
     oil_inflow,
@@ -120,6 +121,17 @@ def sample(angles, times, dense, quads, steps, context, n_e, out, flows):
             out[a, 4 + j] = y[j]
         path_flows(y, E, context, flows[a])
         out[a, 3] -= given_off(y, phi, E, own, P, TAB) / P[P_OMEGA]
+
+
+@kernel
+def heats_along(i, angles, held, ratio, P, out):
+    """Fill out with the heat [W] that effect i brings from the oil to the gas at angles [rad].
+
+    `held` has T, m, p, rho, V, T_oil and m_oil there.
+    """
+    for a in range(angles.shape[0]):
+        T, m, p, rho = held[a, 0], held[a, 1], held[a, 2], held[a, 3]
+        out[a] = heat_part(i, T, m, p, rho, held[a, 4], angles[a], held[a, 5], held[a, 6], ratio, P)
 
 
 @kernel

@@ -14,6 +14,8 @@ from screwsim.results.left_out import left_out_words
 from screwsim.scene import Scene, without_sweep
 from screwsim.study.datasheet.air_year import Demand, read_profile
 from screwsim.study.datasheet.bounds import limits_of
+from screwsim.study.datasheet.load_unload import BAND_OPTION, Receiver, read_receiver
+from screwsim.study.datasheet.load_unload import OPTION as RECEIVER
 from screwsim.study.datasheet.sheet import Sheet
 from screwsim.study.datasheet.units import BY_NAME
 from screwsim.study.pool.progress import Progress
@@ -29,7 +31,7 @@ OPTIONS_BY_KIND = (
     dict.fromkeys((*BY_TEMPERATURE, "--heating"), REFRIGERATES)
     | {"--limit": "one machine, or two stages of another gas"}
     | dict.fromkeys(BY_PRESSURE, STATES)
-    | {"--profile": AIR_PACKAGE}
+    | dict.fromkeys(("--profile", RECEIVER, BAND_OPTION), AIR_PACKAGE)
 )
 FIGURES = (
     *("gas_mass_flow", "free_air_delivered", "cooling_capacity", "shaft_power", "electrical_power", "cop"),
@@ -38,7 +40,7 @@ FIGURES = (
 
 
 class SheetOptions(NamedTuple):
-    """What is asked of a sheet: ranges by option ('--evaporating'), limits, heating, profile, units; see `sheet_of`."""
+    """What is asked of a sheet: ranges by option ('--evaporating'), limits, heating, profile …; see `sheet_of`."""
 
     ranges: Mapping[str, str | None] = MappingProxyType({})
     limits: Sequence[str] = ()
@@ -47,6 +49,8 @@ class SheetOptions(NamedTuple):
     jobs: int | None = None
     progress: Progress | None = None
     units: str = "metric"
+    receiver: str | None = None
+    band: str | None = None
 
     @property
     def of_points(self) -> dict[str, Any]:
@@ -54,9 +58,22 @@ class SheetOptions(NamedTuple):
         return {**self.ranges, "--limit": tuple(self.limits) or None, "--heating": self.heating or None}
 
     @property
+    def of_packages(self) -> dict[str, Any]:
+        """The options that only air packages take."""
+        return {"--profile": self.profile, RECEIVER: self.receiver, BAND_OPTION: self.band}
+
+    @property
     def demands(self) -> tuple[Demand, ...]:
         """The demands of the profile; raise UsageError where it cannot be read."""
         return () if self.profile is None else read_profile(self.profile)
+
+    @property
+    def storage(self) -> Receiver | None:
+        """The receiver on which a package loads and unloads; raise UsageError where it cannot be read."""
+        found = read_receiver(self.receiver, self.band)
+        if found is not None and self.profile is None:
+            raise UsageError(f"{RECEIVER}: is that of the demands of --profile (add --profile LOADS.csv)")
+        return found
 
 
 def sheet_of(subject: Scene | StageChain, asked: SheetOptions) -> Sheet:
@@ -68,9 +85,9 @@ def sheet_of(subject: Scene | StageChain, asked: SheetOptions) -> Sheet:
     the scene's sweep; for a gas compressor or an expander, whose scenes state pressures, --suction and --discharge are
     ('4 bar..6 bar'). `limits` state what must hold ('discharge_temperature<110 degC'); `heating` adds the tables of a
     heat pump. An air package (of two stages: air with two motors) takes none of these, but a `profile`, a CSV file of
-    flows and hours, and one of a single stage limits of temperatures, for its hottest room. Where a scene states
-    tolerances, or names the validation of its model, lines give the resulting uncertainties of its own point. `units`
-    is 'metric' or 'us'; the document is in SI units in any case.
+    flows and hours, met from a `receiver` within its `band`, and one of a single stage limits of temperatures, for its
+    hottest room. Where a scene states tolerances, or names the validation of its model, lines give the resulting
+    uncertainties of its own point. `units` is 'metric' or 'us'; the document is in SI units in any case.
     """
     sheet = _sheet_of_scene(subject, asked) if isinstance(subject, Scene) else _sheet_of_stages(subject, asked)
     own = _own_point(subject)
@@ -85,9 +102,9 @@ def _sheet_of_scene(scene: Scene, asked: SheetOptions) -> Sheet:
 
         _refuse_unused_options({**asked.of_points, "--limit": None}, "the scene is an air package")
         demands, bounds = asked.demands, room_limits(scene, asked.limits)
-        rated = air_rating(scene, asked.progress, bounds)
+        rated = air_rating(scene, asked.progress, bounds, asked.storage)
         return air_sheet(scene, replace(rated, units=BY_NAME[asked.units]), demands)
-    _refuse_unused_options({"--profile": asked.profile}, "the scene is not one")
+    _refuse_unused_options(asked.of_packages, "the scene is not one")
     from screwsim.study.datasheet.rated import rating
 
     ranges, bounds, units = asked.ranges, limits_of(scene, asked.limits), BY_NAME[asked.units]
@@ -119,8 +136,8 @@ def _sheet_of_stages(chain: StageChain, asked: SheetOptions) -> Sheet:
     units = BY_NAME[asked.units]
     if is_air_package(chain):
         _refuse_unused_options(asked.of_points, "the stages compress air as a package")
-        return air_stages_sheet(chain, asked.demands, asked.jobs, asked.progress, units)
-    _refuse_unused_options({"--profile": asked.profile}, "the two stages are not one (air, and a motor in both)")
+        return air_stages_sheet(chain, asked.demands, asked.storage, asked.jobs, asked.progress, units)
+    _refuse_unused_options(asked.of_packages, "the two stages are not one (air, and a motor in both)")
     from screwsim.study.datasheet.stages_sheet import stages_sheet
 
     options = rating.axis_options(chain)

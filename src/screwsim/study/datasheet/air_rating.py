@@ -10,24 +10,25 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.effects.air_package import FREE_AIR, UNLOADED
+from screwsim.effects.air_package import FREE_AIR, UNLOADED, Unloaded
 from screwsim.effects.parts.rating import STANDARDS, WEIGHTS, outside_scope, part_load_efficiency
 from screwsim.figures import rotor_speed
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
-from screwsim.scene.lines import lines
+from screwsim.scene.lines import Lines, lines
 from screwsim.simulate import simulate_many
 from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet.hottest_room import Room, hottest_rooms
+from screwsim.study.datasheet.load_unload import PATH, LoadUnload, Receiver
 from screwsim.study.datasheet.rated import base_of
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.pool.progress import Progress
 
 SPEED, STATE = "operation.speed", "effects.air_package.state"
 LOAD_TOLERANCE = 0.01  # of full flow, tolerance within which a load is met
-EFFICIENCY = "package_isentropic_efficiency"
+EFFICIENCY, POWER = "package_isentropic_efficiency", "package_input_power"
 
 
 class Point(NamedTuple):
@@ -85,6 +86,8 @@ class Rating:
     coolant: str
     rooms: Sequence[Room] = ()
     units: Units = METRIC
+    receiver: Receiver | None = None
+    control: LoadUnload | None = None
 
     @property
     def full(self) -> Point:
@@ -92,8 +95,10 @@ class Rating:
         return self.points[0]
 
 
-def rating(scene: Scene, progress: Progress | None = None, bounds: Sequence[Bound] = ()) -> Rating:
-    """Return the rating of an air package, with the hottest room for each limit.
+def rating(
+    scene: Scene, progress: Progress | None = None, bounds: Sequence[Bound] = (), receiver: Receiver | None = None
+) -> Rating:
+    """Return the rating of an air package, with the hottest room for each limit, and its control with a receiver.
 
     Raises UsageError where a scene leaves open what is rated.
     """
@@ -103,12 +108,16 @@ def rating(scene: Scene, progress: Progress | None = None, bounds: Sequence[Boun
         raise UsageError(f"datasheet: {STATE} is unloaded, but an unloaded package delivers nothing (write loaded)")
     variable, coolant = SPEED in scene.sweep, "liquid" if package.fan is None else "air"
     speeds = sorted(scene.sweep.get(SPEED, (scene.operation.speed,)), reverse=True)
-    progress, idle = progress or Progress(), None
-    progress.start(len(speeds) + (package.unloaded is not None) + len(bounds), 0)
+    progress, idle, shut = progress or Progress(), None, None
+    vents = receiver is not None and package.unloaded is not None
+    progress.start(len(speeds) + (package.unloaded is not None) + vents + len(bounds), 0)
     try:
         points = _rated_points(base, speeds, progress)
         if package.unloaded is not None:
             idle = _rated_points(with_values(base, {STATE: UNLOADED}), speeds[-1:], progress)[0]
+        if vents:
+            full = with_values(base, {STATE: UNLOADED, f"{PATH}.separator_pressure": lines(base).p_d})
+            shut = _rated_points(full, speeds[-1:], progress)[0]
         regulation = _regulation(base, points, variable, coolant, progress) if points[0].flow > 0.0 else None
         rooms = []
         for room in hottest_rooms(with_values(base, {SPEED: float(speeds[0])}), bounds, points[0].result):
@@ -116,7 +125,32 @@ def rating(scene: Scene, progress: Progress | None = None, bounds: Sequence[Boun
             progress.advance(1, room.temperature is None)
     finally:
         progress.stop()
-    return Rating(points, idle, regulation, variable, coolant, rooms)
+    control = None if receiver is None else control_of(receiver, lines(base), points, package.unloaded, shut, idle)
+    return Rating(points, idle, regulation, variable, coolant, rooms, receiver=receiver, control=control)
+
+
+def control_of(
+    receiver: Receiver,
+    at: Lines,
+    points: Sequence[Point],
+    unloaded: Unloaded | None = None,
+    shut: Point | None = None,
+    idle: Point | None = None,
+) -> LoadUnload | None:
+    """Return how a package loads and unloads, or stops, at its lowest flow (M471); None where a point is not known.
+
+    `shut` and `idle` are points off load, before and after the separator is vented; without them it stops.
+    """
+    good = [point for point in points if point.flow > 0.0]
+    if not good:
+        return None
+    least = min(good, key=lambda point: point.flow)
+    if unloaded is None or shut is None or idle is None:
+        return LoadUnload(least.flow, least.result.performance[POWER], receiver.free_air(at.p_s))
+    if not (shut.ok and idle.ok):
+        return None
+    powers = (point.result.performance[POWER] for point in (shut, idle))
+    return LoadUnload.vents(receiver, at, least.result.performance, unloaded, *powers)
 
 
 def _rated_points(base: Scene, speeds: Sequence[float], progress: Progress) -> list[Point]:

@@ -18,6 +18,8 @@ from screwsim.outputs.customary import HOUR, MINUTE
 from screwsim.outputs.us_units import CFM, FOOT
 from screwsim.scene.units import NUMBER, parse_quantity, refused_at
 from screwsim.study.datasheet.air_rating import Point, Rating
+from screwsim.study.datasheet.load_unload import OPTION as RECEIVER
+from screwsim.study.datasheet.load_unload import LoadUnload
 from screwsim.study.datasheet.sheet import Table
 from screwsim.study.datasheet.units import METRIC
 
@@ -36,12 +38,16 @@ class Demand(NamedTuple):
 
 
 class DemandShare(NamedTuple):
-    """A demand, the flow [m³/s] delivered for it, the mean power [W] and the share of the time on load."""
+    """A demand, the flow [m³/s] delivered for it, mean power [W], share of the time on load, and cycles per second.
+
+    The last is None where no receiver is stated.
+    """
 
     demand: Demand
     given: float
     power: float
     loaded: float
+    rate: float | None = None
 
     @property
     def energy(self) -> float:
@@ -83,7 +89,7 @@ def read_profile(name: str) -> tuple[Demand, ...]:
 
 
 def year(rated: Rating, demands: Sequence[Demand]) -> tuple[DemandShare, ...]:
-    """Return the power of a rated package for each demand (M470); raise UsageError where a point is not known."""
+    """Return the power of a rated package for each demand (M470, M471); raise UsageError where a point is not known."""
     points = sorted((point for point in rated.points if point.flow > 0.0), key=lambda point: point.flow)
     if not points or not rated.full.ok:
         raise UsageError(f"{OPTION}: the package has no point of full flow ({rated.full.result.told})")
@@ -94,20 +100,27 @@ def year(rated: Rating, demands: Sequence[Demand]) -> tuple[DemandShare, ...]:
         idle = _power(rated.unloaded)
     flows, powers = (np.array(each) for each in zip(*((at.flow, _power(at)) for at in points), strict=True))
     curve = Pchip(flows, powers) if len(points) > 1 else None
-    return tuple(_share(points, curve, idle, demand) for demand in demands)
+    if rated.receiver is not None and rated.control is None:
+        raise UsageError(f"{RECEIVER}: the power with the inlet valve shut is not known (leave {RECEIVER} out)")
+    return tuple(_share(points, curve, idle, demand, rated.control) for demand in demands)
 
 
 def _power(point: Point) -> float:
     return float(point.result.performance[POWER])
 
 
-def _share(points: Sequence[Point], curve: Pchip | None, idle: float, demand: Demand) -> DemandShare:
+def _share(
+    points: Sequence[Point], curve: Pchip | None, idle: float, demand: Demand, control: LoadUnload | None
+) -> DemandShare:
     least, most = points[0], points[-1]
     given = min(demand.flow, most.flow)
+    if given < least.flow and control is not None:
+        return DemandShare(demand, given, *control.cycle(given))
     if given < least.flow:
         loaded = given / least.flow
         return DemandShare(demand, given, loaded * _power(least) + (1.0 - loaded) * idle, loaded)
-    return DemandShare(demand, given, _power(most) if curve is None else float(curve(given)), 1.0)
+    power = _power(most) if curve is None else float(curve(given))
+    return DemandShare(demand, given, power, 1.0, None if control is None else 0.0)
 
 
 def year_table(rated: Rating, shares: Sequence[DemandShare]) -> Table:
@@ -115,16 +128,21 @@ def year_table(rated: Rating, shares: Sequence[DemandShare]) -> Table:
     metric = rated.units == METRIC
     size = 1.0 if metric else 1e3 * FOOT**3
     rows = [
-        [*(_flow(share.demand.flow, metric), f"{share.demand.hours:g}", f"{100.0 * share.loaded:.0f}"),
-         *(f"{1e-3 * share.power:.1f}", f"{share.energy / KWH:.0f}", _specific(share.energy, share.volume / size))]
+        [
+            *(_flow(share.demand.flow, metric), f"{share.demand.hours:g}", f"{100.0 * share.loaded:.0f}"),
+            *([] if share.rate is None else [f"{HOUR * share.rate:.1f}"]),
+            *(f"{1e-3 * share.power:.1f}", f"{share.energy / KWH:.0f}", _specific(share.energy, share.volume / size)),
+        ]
         for share in shares
-    ]  # fmt: skip
+    ]
     hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
     mean = 1e-3 * energy / (hours * HOUR)
-    rows.append(["all", f"{hours:g}", "", f"{mean:.1f}", f"{energy / KWH:.0f}", _specific(energy, volume / size)])
+    blank = ["", ""] if rated.receiver else [""]
+    rows.append(["all", f"{hours:g}", *blank, f"{mean:.1f}", f"{energy / KWH:.0f}", _specific(energy, volume / size)])
     note = "; ".join(_notes(rated, shares))
     flow, per = ("m³/min", "kWh/m³") if metric else ("acfm", "kWh/ 1000 ft³")
-    return Table("Energy over the profile", (flow, "hours", "% on load", "mean kW", "kWh", per), rows, note)
+    often = ("cycles/h",) if rated.receiver else ()
+    return Table("Energy over the profile", (flow, "hours", "% on load", *often, "mean kW", "kWh", per), rows, note)
 
 
 def _flow(flow: float, metric: bool) -> str:
@@ -148,10 +166,15 @@ def _notes(rated: Rating, shares: Sequence[DemandShare]) -> Iterator[str]:
         most = f"{_flow(full, metric)} {'m³/min' if metric else 'acfm'}"
         yield f"during {hours:g} h it delivers less than demanded, {most}"
     if any(share.loaded < 1.0 for share in shares):
+        with_receiver = f", with {rated.receiver.in_words(rated.units)}" if rated.receiver else ""
         if rated.unloaded is None:
-            yield "below its lowest flow it starts and stops, drawing no power while stopped (it has no unloaded point)"
+            stops = f"below its lowest flow it starts and stops{with_receiver}"
+            yield f"{stops}, drawing no power while stopped (it has no unloaded point)"
+        elif rated.control is None:
+            uncounted = f"venting and refilling the separator are not counted ({RECEIVER})"
+            yield f"below its lowest flow it loads and unloads; {uncounted}"
         else:
-            yield "below its lowest flow it loads and unloads; venting and refilling the separator are not counted"
+            yield f"below its lowest flow it loads and unloads{with_receiver}; {rated.control.words}"
 
 
 def year_document(shares: Sequence[DemandShare]) -> dict[str, Any]:
@@ -159,7 +182,8 @@ def year_document(shares: Sequence[DemandShare]) -> dict[str, Any]:
     hours, energy, volume = (sum(column) for column in zip(*map(_sums, shares), strict=True))
     rows = [
         {"flow": share.demand.flow, "hours": share.demand.hours, "given_flow": share.given, "power": share.power,
-         "loaded": share.loaded, "energy": share.energy}
+         "loaded": share.loaded, "energy": share.energy,
+         **({} if share.rate is None else {"cycles_per_hour": HOUR * share.rate})}
         for share in shares
     ]  # fmt: skip
     return {"demands": rows, "hours": hours, "energy": energy, "volume": volume}

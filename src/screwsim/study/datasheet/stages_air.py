@@ -16,10 +16,11 @@ from screwsim.outputs.customary import RPM, with_printed_units
 from screwsim.scene import grid
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet import air_sheet, stages_sheet
-from screwsim.study.datasheet.air_rating import Point, Rating
+from screwsim.study.datasheet.air_rating import Point, Rating, control_of
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.columns import BAR, KW, NONE, Column, in_units
+from screwsim.study.datasheet.load_unload import Receiver
 from screwsim.study.datasheet.rated import Part, answers_of
 from screwsim.study.datasheet.sheet import Sheet, Table
 from screwsim.study.datasheet.units import Units
@@ -52,15 +53,20 @@ def is_air_package(chain: StageChain) -> bool:
 def air_stages_sheet(
     chain: StageChain,
     demands: Sequence[Demand],
+    receiver: Receiver | None,
     jobs: int | None,
     progress: Progress | None,
     units: Units,
 ) -> Sheet:
-    """Return the sheet of two stages of air, with the energy of demands; raise UsageError for axes but speeds."""
+    """Return the sheet of two stages of air, with the energy of demands met from a receiver.
+
+    Raises UsageError for axes other than speeds.
+    """
     own, found = _rated(chain, jobs, progress)
     speeds = [_reached(each, result) for each, result in zip(own, found, strict=True)]
     points = [Point(both[0], each.as_result()) for both, each in zip(speeds, found, strict=True)]
-    rated = Rating(points, None, None, len(points) > 1, "", units=units)
+    control = None if receiver is None else control_of(receiver, lines(chain.first), points)
+    rated = Rating(points, None, None, len(points) > 1, "", units=units, receiver=receiver, control=control)
     shares = year(rated, demands) if demands else ()
     heads = ("first rpm", "second rpm", *air_sheet.heads_of(units)[1:])
     rows = [
