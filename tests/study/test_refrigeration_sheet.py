@@ -182,6 +182,15 @@ def test_a_heat_pumps_sheet_has_what_its_condenser_gives_beside_the_rest(rated, 
     assert sheet.document["points"] == both.document["points"]  # programs get it in any case
 
 
+def test_the_sheet_of_a_gas_cooler_has_its_words():
+    scene = screwsim.load(CONFIGS / "co2" / "transcritical.yaml")
+    p = scene.operation.gas_cooler.pressure
+    asked = rating_request(scene, "-11 degC..-9 degC", f"{0.98e-5 * p} bar..{1e-5 * p} bar", {})
+    sheet = refrigeration_sheet(rating(asked, jobs=1), heating=True)
+    assert sheet.heading.endswith("rating by evaporating temperature and gas-cooler pressure")
+    assert " from the gas cooler" in dict(sheet.lines)["heating"]
+
+
 def test_the_heating_of_a_machine_without_oil_leaves_no_oil_cooler_out():
     scene = screwsim.loads(new_scene("reciprocating", request_of(fluid="R290", condition="7/55 degC, 8 K")))
     sheet = refrigeration_sheet(

@@ -26,7 +26,11 @@ def new(
     capacity: Text = option(
         "POWER", "Cooling capacity, or heating capacity of a heat pump, e.g. '300 kW'; the size is sought."
     ),
-    flow: Text = option("FLOW", "Free air delivery of an air package, e.g. '7.5 m^3/min'; the size is sought."),
+    flow: Text = option(
+        "FLOW",
+        "Free air of an air package, e.g. '7.5 m^3/min'; flow of a booster at its inlet or '2000 Nm^3/h'; the size is "
+        "sought.",
+    ),
     pressure: Text = option(
         "PRESSURE", "Outlet pressure of an air package, instead of --condition, e.g. '7.5 bar(g)'."
     ),

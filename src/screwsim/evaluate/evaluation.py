@@ -208,9 +208,13 @@ def balance(of: Evaluation) -> Figures:
     return Figures(mass=left.mass, energy=left.energy, oil_mass=oil_mass, oil_residue=residual, bound=bound)
 
 
-def loss_torque(of: Evaluation, omega: float) -> float:
-    """Return the torque [N m] of losses and oil lift at a mean speed [rad/s], from one pitch's quadratures (M213)."""
+def loss_torque(of: Evaluation, omega: float) -> tuple[float, float]:
+    """Return the torque of losses and oil lift, and that of the lift alone [N m], at a mean speed [rad/s] (M213).
+
+    They follow from one pitch's quadratures.
+    """
     share = omega / of.problem.parts.omega
     names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow", "leaked_oil_flow", "drag_power")
     known = with_changes(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})
-    return (powers_of(of.problem.parts, known).shaft - known.indicated_power) / omega
+    powers = powers_of(of.problem.parts, known)
+    return (powers.shaft - known.indicated_power) / omega, powers.lift / omega

@@ -69,7 +69,8 @@ def figures_of(of: Evaluation) -> Read:
     take(performance.refrigeration(found, problem.inlet.density, _refrigerating_effect(problem, found)))
     if problem.refrigerating_effect is not None:
         take(_of_condenser(of, found))
-    take(performance.saturation_figures(problem, found))
+    leaving = None if of.outflow is None else of.outflow.enthalpy
+    take(performance.saturation_figures(problem, found, leaving))
     if "intake_pressure" in problem.called:
         found |= {"intake_pressure": problem.suction.pressure, "intake_temperature": _intake_temperature(of)}
     if parts.suction_line:

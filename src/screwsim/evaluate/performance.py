@@ -24,6 +24,7 @@ from screwsim.scene.lines import Lines, suction_enthalpy
 from screwsim.scene.types import Scene
 
 WET = "the intake is wet"
+QUALITY = "discharge_quality"
 MOTOR_POWER = "motor_power"
 NO_POWER = "the shaft power is not positive"
 NONE_LEAVES = "nothing flows out to the discharge line"
@@ -181,8 +182,11 @@ def figures_of_expander(found: Mapping[str, Any], isentropic_power: float, fille
     return changed
 
 
-def saturation_figures(problem: Problem, found: Mapping[str, Any]) -> Given:
-    """Return saturation temperatures and superheats [K], as called for; `found` has the discharge temperature."""
+def saturation_figures(problem: Problem, found: Mapping[str, Any], leaving: float | None) -> Given:
+    """Return saturation temperatures and superheats [K] and the quality at discharge, as called for.
+
+    `found` has the discharge temperature; `leaving` is the mean enthalpy [J/kg] of what flows out, None for nothing.
+    """
     if "suction_superheat" not in problem.called:
         return {}
     lines, fluid = problem.lines, problem.scene.gas.name
@@ -196,10 +200,19 @@ def saturation_figures(problem: Problem, found: Mapping[str, Any]) -> Given:
         "suction_superheat": at_suction,
         "discharge_superheat": why_d if dew_d is None else NONE_LEAVES if T_d is None else T_d - dew_d,
     }
+    if QUALITY in problem.called:
+        none = why_d if dew_d is None else NONE_LEAVES
+        values[QUALITY] = none if dew_d is None or leaving is None else _quality(fluid, lines.p_d, leaving)
     if blend:
         values["evaporating_bubble_temperature"] = bubble_s or why_s
         values["condensing_bubble_temperature"] = bubble_d or why_d
     return values
+
+
+def _quality(fluid: str, p: float, h: float) -> float:
+    """Return the mass share of vapour of a pure fluid at p [Pa] and an enthalpy h [J/kg] (M411); at most 1."""
+    liquid, vapour = (constants.wet_enthalpy(fluid, p, share) for share in (0.0, 1.0))
+    return min((h - liquid) / (vapour - liquid), 1.0)
 
 
 @lru_cache(maxsize=64)

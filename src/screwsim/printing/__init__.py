@@ -57,8 +57,8 @@ def print_result(
 ) -> None:
     """Print a result: warnings, the table of figures and the ledger, then notes, balances and numerics.
 
-    `left_out` has lines on what its scene does not simulate; `changed` lists the changes by the command line to the
-    scene named in the title; `idle` figures are left out where they are zero.
+    `left_out` has lines on what its scene shifts or does not simulate; `changed` lists the changes by the command line
+    to the scene named in the title; `idle` figures are left out where they are zero.
     """
     from rich.console import Console
 

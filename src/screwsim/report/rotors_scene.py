@@ -52,11 +52,16 @@ def curves_of(scene: Scene) -> LaidCurves:
     return laid_curves(twin_screw(scene.machine))
 
 
+def _volume_ratio(scene: Scene, laid: LaidCurves) -> float:
+    """Return the volume ratio that the scene states, or that of a discharge port which a table opens."""
+    return twin_screw(scene.machine).built_in_volume_ratio or closed_in(laid.rotors, laid.curves)[1]
+
+
 def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
     """Return {name: (value [SI], unit, meaning)} of the rotors, and of their position on the scene's angle axis."""
     laid = curves_of(scene)
     rotors, own = laid.rotors, laid.rotors.coefficients()
-    ratio = float(twin_screw(scene.machine).built_in_volume_ratio or 0.0)
+    ratio = _volume_ratio(scene, laid)
     longest = {path.name: float(path.curve.value.max()) for path in laid.curves.paths}
     own["male_tip_length"] = (longest["male_tip"], "m", "longest part of a male tip that seals on the bore at any time")
     own["female_tip_length"] = (longest["female_tip"], "m", "the same for a female tip")
@@ -123,7 +128,7 @@ def write(scene: Scene, folder: Path) -> list[str]:
     """Write figures, profiles, page, and tables with their scene; return all paths."""
     laid = curves_of(scene)
     machine = twin_screw(scene.machine)
-    ratio, axial = float(machine.built_in_volume_ratio or 0.0), machine.axial_volume_ratio
+    ratio, axial = _volume_ratio(scene, laid), machine.axial_volume_ratio
     tables = folder / "table"
     texts = {folder / "rotors.html": page(laid, with_printed_units(scene.title))}
     texts |= {tables / name: text for name, text in table_files(scene, tables).items()}
@@ -205,6 +210,8 @@ def _tabled_curves(scene: Scene, laid: LaidCurves, folder: Path) -> Any:
         if (port := getattr(machine, name)) is not None and port.from_rotors
     }
     stated = {name: plain(getattr(machine, name)) for name in sizes}
-    rotors = ("profile", "displacement", "built_in_volume_ratio", "axial_volume_ratio", "slide_valve")
+    rotors = ["profile", "displacement", "axial_volume_ratio", "slide_valve"]
+    if "discharge_port" in ports:  # a table of the scene's own stays, and with it the ratio to which it is moved
+        rotors.append("built_in_volume_ratio")
     more: dict[str, Any] = {**dict.fromkeys(rotors), **ports, **stated}
     return replace(machine, volume=volume, **more)

@@ -10,13 +10,15 @@ from typing import NamedTuple
 
 from screwsim.effects.motor import SERVICE_FACTOR, beyond_rating
 from screwsim.figures.engineering import figure_text
+from screwsim.fluid import constants
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
-from screwsim.outputs.customary import in_bar
+from screwsim.outputs.customary import HOUR, in_bar
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 from screwsim.template import SceneRequest, kind_of, new_scene
 from screwsim.template.gas import INVERTER_LOSS_SHARE
+from screwsim.template.request import NORMAL, R
 from screwsim.template.sizes import flow_text, rounded_flow, rpm
 
 DELIVERED, TAKEN = "free_air_delivered", "shaft_power"
@@ -49,7 +51,7 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
     """
     about = kind_of(kind)
     goals = (
-        ("--flow", DELIVERED, asked.free_air),
+        ("--flow", DELIVERED, asked.free_air if asked.molar is None else asked.molar),
         ("--capacity", about.cools, asked.capacity),
         ("--motor", TAKEN, asked.motor),
     )
@@ -58,20 +60,39 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
     for count in range(TRIES):
         found = solved_machine(_text(kind, replace(asked, flow=flow, sought=option), option))
         result = found.result
-        value = result.performance.get(figure)
+        value = _delivered(asked, found) if figure == DELIVERED else result.performance.get(figure)
         if asked.economizer and result.status == "not_closed":
             raise UsageError(UNSTEADY_PORT)
         if result.status != "ok" or not value or value <= 0.0:
             why = result.told if result.status != "ok" else f"no {figure.replace('_', ' ')}"
             what = f"the machine of {flow_text(flow)} tried for it does not run: {why}"
             raise UsageError(f"{option}: {what} (choose another {option}, --speed, --vi or --condition)")
-        if abs(value / wanted - 1.0) <= (NEAR if count < FIRM else ROUNDED):
+        near = NEAR if count < FIRM else ROUNDED
+        aim = wanted * (1.0 - near if figure == TAKEN else 1.0)  # a motor is loaded in full, not beyond
+        if abs(value / aim - 1.0) <= near:
             if asked.economizer:
                 _check_port(result)
-            return found
-        flow = rounded_flow(flow * wanted / value)
-    what = f"no size was found that gives {figure_text(figure, wanted)}"
+            return _with_motor(kind, replace(asked, flow=flow, sought=option), found)
+        flow = rounded_flow(flow * aim / value)
+    what = f"no size was found that gives {asked.flow_text or figure_text(figure, wanted)}"
     raise UsageError(f"{option}: {what} (state one with --displacement)")
+
+
+def _delivered(asked: SceneRequest, found: SizedMachine) -> float | None:
+    """Return what a machine delivers: in mol/s where the flow asked for is at a standard state, else in m³/s."""
+    p = found.result.performance
+    if found.result.status != "ok" or DELIVERED in p:
+        return p.get(DELIVERED)
+    if asked.molar is not None:
+        return p.gas_mass_flow * constants.gas_constant(found.scene.gas.name) / R
+    return p.volumetric_efficiency * p.displacement_flow
+
+
+def _with_motor(kind: str, asked: SceneRequest, found: SizedMachine) -> SizedMachine:
+    """Return a machine sized by its flow with the motor for the load found; others as they are."""
+    if asked.motor is not None or asked.sought != "--flow":
+        return found
+    return solved_machine(_text(kind, replace(asked, load=found.result.performance.shaft_power), asked.sought))
 
 
 def solved_machine(text: str) -> SizedMachine:
@@ -127,9 +148,9 @@ def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]
 def _computed(found: SizedMachine) -> str:
     """Return what the machine gives and takes, in words."""
     p, scene = found.result.performance, found.scene
-    package, expands = DELIVERED in p, scene.machine.expands
-    words = _package_in_words if package else _plant_in_words if COOLS in p else _gas_in_words
-    gives, takes = words(found)
+    expands = scene.machine.expands
+    words = _package_in_words if DELIVERED in p else _plant_in_words if COOLS in p else _gas_in_words
+    gives, takes = (_expander_in_words if expands else words)(found)
     power = p.shaft_power
     load = abs(power) / _rated_power(scene)
     beyond = beyond_rating(load)
@@ -155,7 +176,8 @@ def _unusual(asked: SceneRequest, found: SizedMachine) -> Iterator[str]:
     load = abs(p.shaft_power) / _rated_power(scene)
     if asked.motor is not None and not LIGHT <= load <= SERVICE_FACTOR:
         word = "more" if load > SERVICE_FACTOR else "less"
-        check = "--flow, --motor and --pressure" if DELIVERED in p else "--capacity, --motor and --condition"
+        size = "--capacity" if COOLS in p else "--flow"
+        check = f"{size}, --motor and {'--pressure' if DELIVERED in p else '--condition'}"
         yield f"the motor carries {word} than data sheets show (check {check}, or --speed)"
     if scene.oil is None or scene.machine.kind != "twin_screw":
         return
@@ -203,14 +225,6 @@ def _assumed_of_package(asked: SceneRequest, scene: Scene) -> Iterator[str]:
         yield f"gauge pressures over {in_bar(at)} (operation.ambient_pressure), not over the inlet's {in_bar(inlet)}"
 
 
-def _gas_in_words(found: SizedMachine) -> tuple[str, str]:
-    """Return, in words, the flow of a gas compressor or an expander, and its electrical power and efficiency."""
-    p, expands = found.result.performance, found.scene.machine.expands
-    gives = f"{'expands' if expands else 'compresses'} {figure_text('gas_mass_flow', p.gas_mass_flow)}"
-    takes = f"{_power(p.electrical_power)} {'at its generator' if expands else 'with its motor'}"
-    return gives, f"{takes}, isentropic efficiency {100.0 * p.isentropic_efficiency:.3g} %"
-
-
 def _package_in_words(found: SizedMachine) -> tuple[str, str]:
     """Return, in words, what an air package delivers, and its total input."""
     p = found.result.performance
@@ -228,3 +242,23 @@ def _plant_in_words(found: SizedMachine) -> tuple[str, str]:
     gives += f" (without the {figure_text(DUTY, duty)} of its oil cooler)" if duty else ""
     takes = f"{figure_text('electrical_power', p.electrical_power)} with its motor"
     return gives, f"{takes}, COP {p.electrical_cop:.3g} of cooling, {p.electrical_heating_cop:.3g} of heating"
+
+
+def _expander_in_words(found: SizedMachine) -> tuple[str, str]:
+    """Return, in words, the flow of an expander, and its electrical power and efficiency."""
+    p = found.result.performance
+    takes = f"{_power(p.electrical_power)} at its generator"
+    share = f"isentropic efficiency {100.0 * p.isentropic_efficiency:.3g} %"
+    return f"expands {figure_text('gas_mass_flow', p.gas_mass_flow)}", f"{takes}, {share}"
+
+
+def _gas_in_words(found: SizedMachine) -> tuple[str, str]:
+    """Return, in words, what a compressor of another gas delivers, and its total input."""
+    p = found.result.performance
+    R_gas = constants.gas_constant(found.scene.gas.name)
+    normal = HOUR * p.gas_mass_flow * R_gas * NORMAL[0] / NORMAL[1]
+    at_inlet = HOUR * p.volumetric_efficiency * p.displacement_flow
+    ends = f"{in_bar(p.suction_pressure)} to {in_bar(p.discharge_pressure)}"
+    gives = f"delivers {HOUR * p.gas_mass_flow:.5g} kg/h, {normal:.5g} Nm³/h, {at_inlet:.5g} m³/h at its inlet, {ends}"
+    takes = f"{figure_text('electrical_power', p.electrical_power)} with its motor"
+    return gives, f"{takes}, isentropic efficiency {100.0 * p.electrical_isentropic_efficiency:.1f} % of that"
