@@ -85,7 +85,7 @@ def test_flows_in_percent_are_shares_of_the_packages_own_full_flow(tmp_path):
     flows = (Demand(FULL, 10.0), Demand(0.5 * FULL, 20.0), Demand(0.0, 5.0))
     assert stated == year(package, flows)
     (tmp_path / "loads.csv").write_text("flow [%], hours\nfull, 10\n", encoding="utf-8")
-    with pytest.raises(UsageError, match="loads.csv line 2: flow: 'full' is not a number"):
+    with pytest.raises(UsageError, match=r"loads\.csv line 2: flow: 'full' is not a number"):
         read_profile(str(tmp_path / "loads.csv"))
 
 
