@@ -59,7 +59,8 @@ ALLOWED = {
     "study/datasheet/tables.py": ({"motor"}, STUDY),
     "study/part_load.py": ({"slide_valve", "suction_throttle", "bypass"}, STUDY),
     "study/stages/axes.py": ({"economizer"}, STUDY),
-    "template/refrigeration.py": ({"separator", "drive", "motor", "economizer"}, WRITES),
+    "template/economizer.py": ({"economizer"}, WRITES),
+    "template/refrigeration.py": ({"separator", "drive", "motor"}, WRITES),
 }
 IMPORTS = {  # of what an effect's file has
     "export/rotor_supports.py": {"bearings"},

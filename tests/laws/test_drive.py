@@ -404,6 +404,16 @@ def test_a_start_that_fails_says_why(changes, words):
     assert all(np.isfinite(values).all() for values in found.traces.values())
 
 
+def test_a_start_that_displaced_oil_prevents_names_it_and_the_line_of_the_scene():
+    """Displaced oil comes whatever the speed, so that lifting it loads a creeping machine most."""
+    oil = {"kind": "displacement", "orifice_diameter": "8 mm", "temperature": "20 degC"}
+    oil = {"oil_supply": oil, "effects.oil_pump": False}
+    weak = {**DRIVEN, "effects.drive.motor": {**KLOSS, "breakdown_slip": 0.01}}
+    with_oil, without = (start_up(make({**weak, **each}), CREEP).message for each in (oil, {}))
+    assert "N m of which lift its oil" in with_oil and "or with less oil)" in with_oil
+    assert "oil" not in without and "at a lower operation.discharge.pressure)" in without
+
+
 def test_a_start_that_stops_within_its_first_pitch_tells_no_energies():
     """What is told is of whole pitches: where there is none, no work was done is not the answer."""
     f = start_up(make({**DRIVEN, "effects.drive.motor": {**KLOSS, "breakdown_slip": 0.01}}), CREEP).figures

@@ -15,7 +15,7 @@ from screwsim.effects.parts.rating import STANDARDS
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.scene.plausible import leaks_in_words
-from screwsim.study.sizing import NEAR, SizedMachine, sized_machine, with_steady_port
+from screwsim.study.sizing import NEAR, SizedMachine, sized_machine, stated_machine
 from screwsim.study.sizing import performance_lines as sized_told
 from screwsim.study.validation import sibling
 from screwsim.template import KINDS, expander, gas, new_scene, note_on_pressure, refrigeration, request_of, sizes
@@ -349,7 +349,7 @@ def test_an_economizer_without_a_steady_draw_is_refused():
     asked = request_of(fluid="R454B", displacement="600 m^3/h", condition="-29/-14 degC, 20 K", economizer=True)
     told = r"^--economizer: no temperature is found .*or no --economizer\)$"
     with pytest.raises(UsageError, match=told):
-        with_steady_port(new_scene("refrigeration", asked))
+        stated_machine("refrigeration", asked)
     asked = request_of(fluid="R1234ze(Z)", condition="94/111 degC, 25 K", capacity="27.3 kW", economizer=True)
     with pytest.raises(UsageError, match=told):
         sized_machine("refrigeration", asked)
@@ -538,6 +538,11 @@ def test_clearances_grow_with_the_diameter_and_fall_no_faster_than_tolerances_be
             "--condition 5: is not a pair of pressures (write e.g. --condition '0 bar(g)/7.5",
         ),
         (["air", "--condition", "9/2 bar"], "--condition 9/2 bar: suction comes first, below discharge"),
+        (
+            ["expander", "--fluid", "R245fa", "--condition", "90/35 degC"],
+            "--condition 90/35 degC: these are temperatures, where R245fa has these saturation pressures (write e.g. "
+            "--condition '10.06/2.12 bar, 100 degC', with the temperature of the gas)",
+        ),
         (
             ["expander", "--condition", "2/9 bar"],
             "--condition 2/9 bar: an expander's inlet comes first, above its outlet",
@@ -875,6 +880,34 @@ def test_large_packages_at_a_high_speed_are_told_of_and_a_lower_one_is_better():
     assert powers[1] == pytest.approx(0.951 * powers[0], rel=5e-3)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_machine_of_a_stated_size_is_told_with_what_it_does(kind):
+    """Kinds whose size can be sought had such lines only then."""
+    asked = request_of()
+    found = stated_machine(kind, asked)
+    computed, assumed = sized_told(asked, found)
+    power = abs(found.result.performance.shaft_power)
+    gives = "gives" if kind == "expander" else "takes"
+    assert computed.startswith("computed: ") and f"{gives} {1e-3 * power:.5g} kW at the shaft" in computed
+    size = "a bore of 61 mm" if kind == "reciprocating" else f"{1e3 * found.scene.machine.rotor_diameter:.0f} mm"
+    assert assumed.startswith("assumed: ") and size in assumed
+    assert found.text == new_scene(kind, asked)
+
+
+def test_a_stated_diameter_is_not_told_as_assumed():
+    asked = request_of(diameter="204 mm", speed="2950 rpm")
+    *_, assumed = sized_told(asked, stated_machine("refrigeration", asked))
+    assert "204 mm" not in assumed and "rpm" not in assumed
+
+
+def test_a_machine_that_does_not_run_is_written_and_told():
+    text = new_scene("air", request_of())
+    failed = SizedMachine(text, screwsim.loads(text), Result("failed", "gas above 2000 K", performance=Figures({})))
+    warned, assumed = sized_told(request_of(), failed)
+    assert warned.startswith("warning: the machine does not run at its condition: failed: gas above 2000 K (choose")
+    assert assumed.startswith("assumed: ")
+
+
 def test_a_size_that_is_stated_needs_no_search():
     asked = request_of(displacement="520 m^3/h", motor="45 kW", pressure="8 bar(g)")
     assert not asked.by_sheet
@@ -926,7 +959,7 @@ def test_without_a_file_the_screen_has_the_scene_alone(capsys):
 def test_a_file_that_is_there_is_not_overwritten(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert cli.exit_code(["new", "refrigeration", "-o", "mine.yaml"]) == 0
-    assert capsys.readouterr().out == "mine.yaml\n"
+    assert capsys.readouterr().out.endswith("\nmine.yaml\n")
     text = Path("mine.yaml").read_text()
     assert cli.exit_code(["new", "air", "-o", "mine.yaml"]) == 2
     told = "-o mine.yaml: already exists and is not overwritten (choose another name, or remove it)\n"

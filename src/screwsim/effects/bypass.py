@@ -91,7 +91,7 @@ def check_geometry(parameters: Parameters, geometry) -> Faults:
 EFFECT = Effect(
     name="bypass",
     title="gas returned to suction",
-    equations=("M12", "M13", "M161", "M163"),
+    equations=("M12", "M13", "M100", "M161", "M163"),
     source="isenthalpic mixing",
     parameters=Parameters,
     build=build,

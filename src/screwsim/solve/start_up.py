@@ -30,6 +30,7 @@ from screwsim.numerics.parabola import top, vertex
 from screwsim.outputs import Figures
 from screwsim.outputs.customary import RPM
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
+from screwsim.scene.lines import discharge_path
 from screwsim.scene.types import Scene
 from screwsim.solve import circuit, drive
 
@@ -42,6 +43,7 @@ MOST_TURNS = 8  # rounds of chambers and drive within a pitch
 STEADY_WITHIN = 2e-3  # relative distance of a pitch's mean speed from the steady one, within which it has arrived ...
 STEADY_PITCHES = 12  # ... for so many pitches
 END_MARGIN = 5e-7  # rad, left out at both ends of a pitch, where the speed's course is not periodic
+NOTED_LIFT = 0.1  # of the load of rotors that stop: least share of the oil's lift that is told
 STEP = 1e-3  # rad, initial step
 INTERRUPTED = "interrupted"  # status of a start that Ctrl-C ended
 UNCLOSED = "the cycle at the steady speed did not close (screwsim run says why)"
@@ -133,6 +135,7 @@ class StartUpRun:
         self.steady, self.creep, self.longest = steady, creep, longest
         self.train: Train = steady.train
         self.pitches: list[StartUpPitch] = []
+        self.lifting = 0.0  # N m, of the losses of the last pitch: what lifts the oil
         self.chambers = self._at_rest()
         work = float(of.life.quads[of.life.steps - 1, 0])
         loss = float(np.mean(steady.load)) - work / of.problem.parts.geometry.pitch
@@ -203,7 +206,8 @@ class StartUpRun:
         of = Evaluation(problem, machinery.trajectory, q)
         gas = _gas_torque(of.pitch, pitch)
         gas += (float(q[Q_WORK]) - float(np.trapezoid(gas, dx=pitch / POINTS))) / pitch
-        return gas, loss_torque(of, mean), float(q[Q_WORK]), machinery.shift(y)
+        loss, self.lifting = loss_torque(of, mean)
+        return gas, loss, float(q[Q_WORK]), machinery.shift(y)
 
     # ---- all of it -------------------------------------------------------------------------------------------
 
@@ -259,10 +263,13 @@ class StartUpRun:
         """Return why the rotors stopped."""
         load = float(np.mean(step.gas_torque)) + step.loss_torque
         at_rest = self.train.motor.limited_torque(0.0, self.steady.no_load_speed)
+        much = self.lifting > NOTED_LIFT * load
+        oil = f", {self.lifting:.4g} N m of which lift its oil" if much else ""
+        less = f"at a lower {discharge_path(self.problem.scene.operation)}{', or with less oil' if much else ''}"
         return (
             f"the motor cannot start the machine: the rotors stop after {step.motion.time[-1]:.4g} s under {load:.4g} "
-            f"N m on average, and the motor gives {at_rest:.4g} N m at rest (choose a larger motor, or start without "
-            "load, at a lower operation.discharge.pressure)"
+            f"N m on average{oil}, and the motor gives {at_rest:.4g} N m at rest (choose a larger motor, or start "
+            f"without load, {less})"
         )
 
     def _ended(self, status: str, message: str) -> StartUp:

@@ -12,7 +12,7 @@ from screwsim.effects.motor import SERVICE_FACTOR, beyond_rating
 from screwsim.figures.engineering import figure_text
 from screwsim.fluid import constants
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import Result
+from screwsim.outputs import Figures, Result
 from screwsim.outputs.customary import HOUR, in_bar
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
@@ -108,11 +108,12 @@ def solved_machine(text: str) -> SizedMachine:
     return SizedMachine(text, scene, result)
 
 
-def with_steady_port(text: str) -> str:
-    """Return the text of a scene whose economizer's port draws what the liquid gives off, else raise UsageError."""
-    text, _, result = solved_machine(text)
-    _check_port(result)
-    return text
+def stated_machine(kind: str, asked: SceneRequest) -> SizedMachine:
+    """Return a new machine of the stated size, or of the kind's own; it need not run, unless it has an economizer."""
+    found = solved_machine(new_scene(kind, asked))
+    if asked.economizer:
+        _check_port(found.result)
+    return found
 
 
 def _check_port(result: Result) -> None:
@@ -134,44 +135,94 @@ def _text(kind: str, asked: SceneRequest, option: str) -> str:
 
 def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]:
     """Yield the machine's performance, how it fits what was stated, and what was assumed, a line each."""
+    p, scene, result = found.result.performance, found.scene, found.result
+    if result.status == "ok":
+        yield _computed(found)
+        yield from _unusual(asked, found)
+    else:
+        yield f"warning: the machine does not run at its condition: {result.told} (choose another --condition or size)"
+    yield f"assumed: {', '.join(_assumed(asked, scene, p))}"
+    yield from (f"warning: {warning}" for warning in result.warnings)
+
+
+def _computed(found: SizedMachine) -> str:
+    """Return what the machine gives and takes, in words."""
     p, scene = found.result.performance, found.scene
-    every = (active.parameters for active in scene.effects.values())
-    rated = next(parameters.rated_power for parameters in every if hasattr(parameters, "rated_power"))
-    load = p.shaft_power / rated
-    package = DELIVERED in p
-    gives, takes = next(words for name, words in IN_WORDS.items() if name in p)(found)
-    shaft = f"takes {figure_text(TAKEN, p.shaft_power)} at the shaft"
+    expands = scene.machine.expands
+    words = _package_in_words if DELIVERED in p else _plant_in_words if COOLS in p else _gas_in_words
+    gives, takes = (_expander_in_words if expands else words)(found)
+    power = p.shaft_power
+    load = abs(power) / _rated_power(scene)
     beyond = beyond_rating(load)
-    carried = f"{100.0 * load:.0f} % of a motor of {1e-3 * rated:g} kW{f', {beyond}' if beyond else ''}"
-    yield f"computed: {gives}, {shaft} ({carried}), {takes}"
+    drive = "a generator" if expands else "a motor"
+    carried = f"{100.0 * load:.0f} % of {drive} of {1e-3 * _rated_power(scene):g} kW{f', {beyond}' if beyond else ''}"
+    return f"computed: {gives}, {'gives' if expands else 'takes'} {_power(power)} at the shaft ({carried}), {takes}"
+
+
+def _rated_power(scene: Scene) -> float:
+    """Return the rated power [W] of the scene's motor or generator."""
+    every = (active.parameters for active in scene.effects.values())
+    return next(parameters.rated_power for parameters in every if hasattr(parameters, "rated_power"))
+
+
+def _power(power: float) -> str:
+    """Return a power [W] that is taken or given, in words."""
+    return figure_text(TAKEN, abs(power))
+
+
+def _unusual(asked: SceneRequest, found: SizedMachine) -> Iterator[str]:
+    """Yield how a stated motor hardly fits the machine, and of rotors that turn fast, a line each."""
+    p, scene = found.result.performance, found.scene
+    load = abs(p.shaft_power) / _rated_power(scene)
     if asked.motor is not None and not LIGHT <= load <= SERVICE_FACTOR:
         word = "more" if load > SERVICE_FACTOR else "less"
         size = "--capacity" if COOLS in p else "--flow"
-        check = f"{size}, --motor and {'--pressure' if package else '--condition'}"
+        check = f"{size}, --motor and {'--pressure' if DELIVERED in p else '--condition'}"
         yield f"the motor carries {word} than data sheets show (check {check}, or --speed)"
+    if scene.oil is None or scene.machine.kind != "twin_screw":
+        return
     tips = 0.5 * scene.operation.speed * scene.machine.rotor_diameter
     if tips > FAST_TIP_SPEED:
         remedy = "choose a lower --speed, larger rotors"
         yield f"rotor tips run at {tips:.0f} m/s, where oil films take much power ({remedy})"
-    ratio = scene.machine.built_in_volume_ratio
-    assumed = [] if asked.ratio is not None else [f"built-in volume ratio {ratio:g} from the pressure ratio"]
-    assumed += [] if asked.speed is not None else [rpm(scene.operation.speed)]
-    rotors = 1e3 * scene.machine.rotor_diameter
-    assumed += [f"rotors of family b, {rotors:.0f} mm", "clearances, shafts and bearings scaled to that size"]
-    if package:
-        assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of air"]
-        assumed += ["losses of a typical package, a fan of 4 % of the motor"]
-        assumed += [f"an inverter that loses {100.0 * INVERTER_LOSS_SHARE:g} % of it"] if asked.variable else []
-        at = scene.operation.ambient_pressure
-        inlet = scene.operation.suction.pressure or at
-        if abs(inlet - at) > ELSEWHERE * at:
-            assumed += [
-                f"gauge pressures over {in_bar(at)} (operation.ambient_pressure), not over the inlet's {in_bar(inlet)}"
-            ]
+
+
+def _assumed(asked: SceneRequest, scene: Scene, p: Figures) -> Iterator[str]:
+    """Yield what was assumed beside what was stated."""
+    rotors = scene.machine.kind == "twin_screw"
+    if rotors and asked.ratio is None:
+        yield f"built-in volume ratio {scene.machine.built_in_volume_ratio:g} from the pressure ratio"
+    if asked.speed is None:
+        yield rpm(scene.operation.speed)
+    if not rotors:
+        yield f"one cylinder with a bore of {1e3 * scene.machine.bore:.0f} mm"
+        yield "valves sized for the gas, clearance and losses fitted to similar cylinders"
+        return
+    size = "" if asked.diameter is not None else f", {1e3 * scene.machine.rotor_diameter:.0f} mm"
+    yield f"rotors of family b{size}"
+    yield (
+        "clearances scaled to that size" if scene.oil is None else "clearances, shafts and bearings scaled to that size"
+    )
+    if ratio := p.get("oil_ratio"):
+        yield f"{ratio:.2g} kg of oil per kg of {'air' if DELIVERED in p else 'gas'}"
+    if DELIVERED in p:
+        yield from _assumed_of_package(asked, scene)
+    elif COOLS in p:
+        yield "losses fitted to similar machines"
     else:
-        assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of gas", "losses fitted to similar machines"]
-    yield f"assumed: {', '.join(assumed)}"
-    yield from (f"warning: {warning}" for warning in found.result.warnings)
+        expands = scene.machine.expands
+        yield "friction as a share of the indicated power" if expands else "bearings and oil films by their laws"
+
+
+def _assumed_of_package(asked: SceneRequest, scene: Scene) -> Iterator[str]:
+    """Yield what is assumed of an air package."""
+    yield "losses of a typical package, a fan of 4 % of the motor"
+    if asked.variable:
+        yield f"an inverter that loses {100.0 * INVERTER_LOSS_SHARE:g} % of it"
+    at = scene.operation.ambient_pressure
+    inlet = scene.operation.suction.pressure or at
+    if abs(inlet - at) > ELSEWHERE * at:
+        yield f"gauge pressures over {in_bar(at)} (operation.ambient_pressure), not over the inlet's {in_bar(inlet)}"
 
 
 def _package_in_words(found: SizedMachine) -> tuple[str, str]:
@@ -193,8 +244,16 @@ def _plant_in_words(found: SizedMachine) -> tuple[str, str]:
     return gives, f"{takes}, COP {p.electrical_cop:.3g} of cooling, {p.electrical_heating_cop:.3g} of heating"
 
 
-def _booster_in_words(found: SizedMachine) -> tuple[str, str]:
-    """Return, in words, what a booster delivers, and its total input."""
+def _expander_in_words(found: SizedMachine) -> tuple[str, str]:
+    """Return, in words, the flow of an expander, and its electrical power and efficiency."""
+    p = found.result.performance
+    takes = f"{_power(p.electrical_power)} at its generator"
+    share = f"isentropic efficiency {100.0 * p.isentropic_efficiency:.3g} %"
+    return f"expands {figure_text('gas_mass_flow', p.gas_mass_flow)}", f"{takes}, {share}"
+
+
+def _gas_in_words(found: SizedMachine) -> tuple[str, str]:
+    """Return, in words, what a compressor of another gas delivers, and its total input."""
     p = found.result.performance
     R_gas = constants.gas_constant(found.scene.gas.name)
     normal = HOUR * p.gas_mass_flow * R_gas * NORMAL[0] / NORMAL[1]
@@ -203,6 +262,3 @@ def _booster_in_words(found: SizedMachine) -> tuple[str, str]:
     gives = f"delivers {HOUR * p.gas_mass_flow:.5g} kg/h, {normal:.5g} Nm³/h, {at_inlet:.5g} m³/h at its inlet, {ends}"
     takes = f"{figure_text('electrical_power', p.electrical_power)} with its motor"
     return gives, f"{takes}, isentropic efficiency {100.0 * p.electrical_isentropic_efficiency:.1f} % of that"
-
-
-IN_WORDS = {DELIVERED: _package_in_words, COOLS: _plant_in_words, "gas_mass_flow": _booster_in_words}

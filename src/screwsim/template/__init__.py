@@ -10,7 +10,7 @@ from typing import NamedTuple
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.suggestions import joined_names, nearest, with_article
 from screwsim.scene import loads
-from screwsim.template import booster, expander, gas, reciprocating, refrigeration
+from screwsim.template import booster, economizer, expander, gas, reciprocating, refrigeration
 from screwsim.template.request import SceneRequest, note_on_pressure, request_of
 
 MOTOR, SPEEDS, CAPACITY = ("--motor",), ("--variable-speed",), ("--capacity",)
@@ -84,7 +84,7 @@ def new_scene(kind: str, asked: SceneRequest) -> str:
         loads(text, f"new {kind}")
     except SceneError as error:
         place, _, what = error.lines[0].partition(": ")
-        told = refrigeration.refused_port(what) if asked.economizer else ""
+        told = economizer.refused_port(what) if asked.economizer else ""
         if not told and what.startswith("machine.slide_valve."):
             told = f"--slide: {what.rpartition(' (')[0]} (choose a larger --vi, or no --slide)"
         if not told and ".gas_viscosity: " in what:

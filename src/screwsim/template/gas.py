@@ -71,6 +71,8 @@ def gas_duty(
 
     Gauge pressures are over the ambient one [Pa].
     """
+    if told := _temperatures(asked.condition, fluid, example):
+        raise UsageError(f"--condition {asked.condition}: {told}")
     at = condition_of(asked.condition or example, "pressure", example, ambient)
     low, high = (at.high, at.low) if expands else (at.low, at.high)
     if not low < high:
@@ -90,6 +92,19 @@ def gas_duty(
             raise UsageError(f"--condition {asked.condition}: {what} (write e.g. --condition '{pair}, {dry}')")
         text, T = quantity_after_comma(at, "temperature", dry)  # the default is too cold
     return Duty(at, text, T, constants.isentropic_exponent(fluid, T), constants.gas_constant(fluid))
+
+
+def _temperatures(condition: str | None, fluid: str, example: str) -> str:
+    """Return that a condition states saturation temperatures, with the pressures to write; empty for any other."""
+    try:
+        at = condition_of(condition or example, "temperature", example)
+        pressures = [constants.dew_pressure(fluid, T) for T in (at.low, at.high)]
+    except UsageError:
+        return ""
+    first, second = (f"{p / 1e5:.4g}" for p in pressures)
+    warm = f"{at.low - ZERO_CELSIUS + ABOVE_DEW:.4g} degC"
+    what = f"these are temperatures, where {fluid} has these saturation pressures"
+    return f"{what} (write e.g. --condition '{first}/{second} bar, {warm}', with the temperature of the gas)"
 
 
 def common_values(asked: SceneRequest, duty: Duty, size: sizes.Size, share: float) -> dict[str, str]:

@@ -13,12 +13,13 @@ from screwsim.scene.lines import lines
 from screwsim.study.datasheet.air_rating import EFFICIENCY, ELSEWHERE, Point, Rating, Regulation, elsewhere
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_document, lives_table
-from screwsim.study.datasheet.bounds import Limit, exceeded_bounds, motor_of, with_limits_of
+from screwsim.study.datasheet.bounds import Limit, motor_of, with_limits_of
 from screwsim.study.datasheet.columns import GAS_OUT, MIXTURE
 from screwsim.study.datasheet.hottest_room import room_documents, room_lines
 from screwsim.study.datasheet.machine_lines import limits_in_words, load_in_words
+from screwsim.study.datasheet.marks import marks_of
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, disclaimer, warning_lines
-from screwsim.study.datasheet.tables import BLANK, MARK, document_figures
+from screwsim.study.datasheet.tables import document_figures
 from screwsim.study.datasheet.units import METRIC, Units
 
 KW = 1e3  # W
@@ -48,14 +49,13 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
     """Return the sheet of a rating, with the energy of demands."""
     shares = year(rated, demands) if demands else ()
     limits = with_limits_of(scene, [room.bound for room in rated.rooms])
-    rows, marked = _rows(rated, limits)
     every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
     return Sheet(
         heading="Air package, rating by ISO 1217",
         title=with_printed_units(scene.title),
         lines=[*_lines(scene, rated), *limits_in_words(limits, rated.units)],
         tables=[
-            Table("Points", heads_of(rated.units), rows, f"{MARK} beyond a limit" if marked else ""),
+            _points_table(rated, limits),
             *([year_table(rated, shares)] if shares else []),
             *lives_table(_named_points(rated), units=rated.units),
         ],
@@ -67,13 +67,13 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
     )
 
 
-def _rows(rated: Rating, limits: Mapping[Limit, str]) -> tuple[list[list[str]], bool]:
-    """Return the rows of the points, those beyond a limit marked, and whether there are any."""
-    beyond = [point.ok and bool(exceeded_bounds(point.result.performance, limits)) for point in rated.points]
+def _points_table(rated: Rating, limits: Mapping[Limit, str]) -> Table:
+    """Return the table of the points, those beyond a limit marked."""
+    results = [point.result if point.ok else None for point in rated.points]
+    marks = marks_of(limits, results)
     rows = [point_row(point, rated.full, rated.units) for point in rated.points]
-    blank = BLANK if any(beyond) else ""
-    marks = [MARK if each else blank for each in beyond]
-    return [[f"{speed}{mark}", *cells] for (speed, *cells), mark in zip(rows, marks, strict=True)], any(beyond)
+    signed = [[f"{speed}{sign}", *cells] for (speed, *cells), sign in zip(rows, marks.column(results), strict=True)]
+    return Table("Points", heads_of(rated.units), signed, marks.note(results, rated.units))
 
 
 def _named_points(rated: Rating) -> list[tuple[str, Result]]:
