@@ -22,7 +22,7 @@ from screwsim.codegen.modules import for_speed
 from screwsim.derivatives import lane_rates, solving
 from screwsim.derivatives.collocation import FINE, QUICK, Fineness
 from screwsim.derivatives.directions import Directions
-from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.node_rates import NodeRates
 from screwsim.derivatives.solving import scene_derivatives
 from screwsim.scene import Scene, load
 from screwsim.simulate import simulate
@@ -54,24 +54,24 @@ class Counted:
         self.times, self.rates, self.jacobians, self.slices = dict.fromkeys(PARTS, 0.0), 0, 0, 0
         for part, (owner, work) in PARTS.items():
             setattr(owner, work.__name__, self._timed(part, work))
-        rates, lanes, slopes = CollocatedPitch.rates, lane_rates._in_lanes, CollocatedPitch._slopes
+        rates, lanes, slopes = NodeRates.at, lane_rates._in_lanes, NodeRates._slopes
 
-        def counted(pitch: CollocatedPitch, Y: Any, edges: Any = None) -> Any:
-            self.rates += Y.size // pitch.n
-            return rates(pitch, Y, edges)
+        def counted(of: NodeRates, Y: Any, edges: Any = None) -> Any:
+            self.rates += Y.size // of.n
+            return rates(of, Y, edges)
 
-        def counted_lanes(pitch: CollocatedPitch, nodes: Any, numbers: Any, *asked: Any) -> Any:
-            self.rates += len(numbers) * math.prod(nodes.y.shape) // pitch.n
-            return lanes(pitch, nodes, numbers, *asked)
+        def counted_lanes(of: NodeRates, nodes: Any, numbers: Any, *asked: Any) -> Any:
+            self.rates += len(numbers) * math.prod(nodes.y.shape) // of.n
+            return lanes(of, nodes, numbers, *asked)
 
-        def counted_slopes(pitch: CollocatedPitch, angles: Any, *asked: Any, **how: Any) -> Any:
-            self.jacobians += len(angles) * pitch.N // pitch.n
-            return slopes(pitch, angles, *asked, **how)
+        def counted_slopes(of: NodeRates, angles: Any, *asked: Any, **how: Any) -> Any:
+            self.jacobians += len(angles) * of.N // of.n
+            return slopes(of, angles, *asked, **how)
 
         for owner, name, by in (
-            (CollocatedPitch, "rates", counted),
+            (NodeRates, "at", counted),
             (lane_rates, "_in_lanes", counted_lanes),
-            (CollocatedPitch, "_slopes", counted_slopes),
+            (NodeRates, "_slopes", counted_slopes),
         ):
             setattr(owner, name, by)
 

@@ -8,6 +8,7 @@ from scipy.integrate import quad
 
 from screwsim.effects.parts.rating import (
     CFM,
+    HORSEPOWER,
     PSI,
     STANDARDS,
     WEIGHTS,
@@ -47,10 +48,15 @@ def test_part_load_is_a_mean_that_an_even_efficiency_leaves():
 
 
 @each_row(
-    ("flow", "gauge", "words"),
-    [(500, 100, ""), (35, 75, ""), (34, 100, "cfm"), (1251, 100, "cfm"), (500, 74, "psi"), (500, 201, "psi")],
-)
-def test_the_regulation_covers_what_it_says(flow, gauge, words):
-    found = outside_scope(flow * CFM * (1.0 + 1e-9), gauge * PSI)
+    ("flow", "gauge", "motor", "words"),
+    [
+        (500, 100, 125, ""), (35, 75, 9, ""), (34, 100, 9, "below 35 cfm"), (34, 100, 10.01, ""),
+        (1251, 100, 201, "above 1250 cfm"), (1251, 100, 199, ""), (1249, 100, 300, ""),
+        (500, 74, 125, "psi"), (500, 201, 125, "psi"),
+    ],
+)  # fmt: skip
+def test_the_regulation_covers_what_it_says(flow, gauge, motor, words):
+    """Full-load flow [cfm], gauge pressure [psi] and rated power [hp] of 10 CFR 431.344 (a)."""
+    found = outside_scope(flow * CFM * (1.0 + 1e-9), gauge * PSI, motor * HORSEPOWER)
     assert words in found
     assert bool(found) == bool(words)

@@ -218,6 +218,24 @@ def over_time(times: str) -> Entry:
     return Entry(REAL, sets, ("refrigerant_solubility",), "assumed times", says, rate_change)
 
 
+DRAG = "effects.oil_drag={tip_gap: 40 um, tip_land: 2 mm, end_gap: 40 um, end_solidity: 0.63}"
+
+
+def thinned_change(one: Result, other: Result) -> str:
+    """Return the viscosity of the oil as it is supplied, and the drag of its films."""
+    mu, power = 1e3 * one.performance.supplied_oil_viscosity, one.performance.oil_drag_power
+    return f"{mu:.1f} mPa s as supplied, of 20; drag of films {power:.0f} W, {percent(one, other, 'oil_drag_power')}"
+
+
+def thinned(line: str) -> Entry:
+    """Return the entry of films in equilibrium with gas of a line, beside films of pure oil."""
+    pure = "separator_temperature: 70 degC"
+    sets = (INJECTED, DRAG, f"effects.refrigerant_solubility={{{pure}, films_at: {line}}}")
+    plain = (INJECTED, DRAG, f"effects.refrigerant_solubility={{{pure}}}")
+    says = "dissolved gas thins the oil (M199), more at discharge pressure"
+    return Entry(REAL, sets, (), "Yokozeki 1994", says, thinned_change, plain)
+
+
 effects_solubility = {
     "refrigerant_solubility": soluble("70 degC"),
     "refrigerant_solubility, warmer": soluble("90 degC"),
@@ -225,6 +243,8 @@ effects_solubility = {
     "refrigerant_solubility, 5 ms": over_time("flash_time: 5 ms"),
     "refrigerant_solubility, 50 ms": over_time("flash_time: 50 ms"),
     "refrigerant_solubility, 5 ms and back": over_time("flash_time: 5 ms, absorption_time: 50 ms"),
+    "refrigerant_solubility, films at suction": thinned("suction"),
+    "refrigerant_solubility, films at discharge": thinned("discharge"),
 }
 # ---- walls, gaps, plenums ------------------------------------------------------------------------------------------
 

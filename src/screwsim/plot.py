@@ -15,12 +15,10 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
-import numpy as np
-
 from screwsim.inputs.arguments import checked_arguments
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
-from screwsim.report import cycle, entropy, families, maps, sweeps
+from screwsim.report import cycle, entropy, families, maps, style, sweeps
 from screwsim.report import plot as write
 from screwsim.report.quantities import shown_axis, shown_figure
 from screwsim.report.trace import Trace, chosen_trace, trace_of
@@ -40,7 +38,8 @@ __all__ = [
     "write",
 ]
 
-_HIDDEN = "_cycle "  # before the name of a cycle that no legend tells yet: matplotlib leaves out such labels
+_CYCLE = "cycle"  # of the line of a cycle that may have others beside it
+_HIDDEN = "_cycle "  # before the name of a line that no legend tells yet: matplotlib leaves out such labels
 CycleLike = Result | Results | str | os.PathLike[str]
 
 
@@ -48,7 +47,8 @@ def pressure_volume(result: CycleLike, ax: Any = None, **line: Any) -> Any:
     """Draw the pressure–volume loop with the pressures of both lines and marks; return the axes.
 
     `line` are properties of the loop's line (color, linestyle, label, …), to tell several in the same axes apart. A
-    label gives the axes a legend, and so does a second loop; one without a label is called as its file.
+    label gives the axes a legend, and so does a second loop; one without a label is called as its file. Marks are
+    those of the first loop. Of a sweep it is the best case; `open_results(file).showing({path: value})` has another.
     """
     return _drawn(cycle.draw_loop, result, ax, line)
 
@@ -87,10 +87,12 @@ def mass_flows(result: CycleLike, ax: Any = None) -> Any:
 
 
 @checked_arguments()
-def curves(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None) -> Any:
+def curves(results: Results | str | os.PathLike[str], figure: str | None = None, ax: Any = None, **line: Any) -> Any:
     """Draw a figure over one axis of a sweep, one curve for each value of a second; return the axes.
 
-    The default figure is the efficiency. Further axes are held at their first values, which the title states.
+    The default figure is the efficiency. Further axes are held at their first values, which the title states. Of a
+    sweep over one axis `line` are properties of its curve, as of `pressure_volume`, and so is the legend: several files
+    in the same axes are told apart.
     """
     found = _results(results)
     whole = families.family_of(found)
@@ -102,14 +104,24 @@ def curves(results: Results | str | os.PathLike[str], figure: str | None = None,
     if not drawn:
         raise UsageError(f"{found.path}: has no curve of {name} (fewer than two cases have a value)")
     axes = _axes(ax)
-    sweeps.draw_curves(axes, drawn, optima="efficiency" in name and family.chosen)
-    label = shown_axis(family.x_axis).label
-    sweeps.label_axes(axes, label, shown_figure(found, name).label, [curve.x for curve in drawn])
+    before = _curves_in(axes)
     if family.by is not None:
-        lines = [line for line in axes.get_lines() if line.get_linestyle() != "None"]
-        own = [next(line for line in lines if np.array_equal(line.get_ydata(), curve.y)) for curve in drawn]
+        if line:
+            raise UsageError(f"{', '.join(line)}: there are {len(drawn)} curves (leave it out, or sweep one path)")
+        looks = None
+    else:
+        looks = [{**style.line_style(len(before) % len(style.COLOURS), 1), **_of_line(line)}]
+    sweeps.draw_curves(axes, drawn, optima="efficiency" in name and family.chosen, looks=looks)
+    own = _curves_in(axes)[len(before) :]
+    label = shown_axis(family.x_axis).label
+    x = [*(each.get_xdata() for each in before), *(curve.x for curve in drawn)]
+    sweeps.label_axes(axes, label, shown_figure(found, name).label, x)
+    if family.by is not None:
         heading = families.curves_heading(family)
         axes.legend(own, [curve.text for curve in drawn], title=heading[0] or heading[1].partition(": ")[2])
+    else:
+        own[0].set_label(line.get("label", _HIDDEN + found.path.stem))
+        _name_lines(axes, asked=not str(line.get("label") or "_").startswith("_"))
     told = "; ".join(text for text in (family.constant, families.band_words(found, drawn)) if text)
     if told:
         axes.set_title(told)
@@ -137,21 +149,33 @@ def contours(results: Results | str | os.PathLike[str], figure: str | None = Non
 def _drawn(draw: Callable[[Any, Trace], None], result: CycleLike, ax: Any, line: Mapping[str, Any] | None) -> Any:
     """Draw a cycle and return the axes; `line` are the properties of its line, None where there are several."""
     trace = _trace(result)
-    if line:
-        from matplotlib.lines import Line2D
-
-        Line2D([], []).set(**line)  # raises AttributeError before anything is drawn
+    _of_line(line or {})
     axes = _axes(ax)
     before = len(axes.get_lines())
-    draw(axes, trace)
+    others = any(each.get_gid() == _CYCLE for each in axes.get_lines())
+    draw(axes, trace._replace(marks={}) if others else trace)  # whose marks would lie on each other
     if line is not None:
+        axes.get_lines()[before].set_gid(_CYCLE)
         axes.get_lines()[before].set(**{"label": _HIDDEN + _name(result), **line})
-        _name_cycles(axes, asked=not str(line.get("label") or "_").startswith("_"))
+        _name_lines(axes, asked=not str(line.get("label") or "_").startswith("_"))
     return axes
 
 
-def _name_cycles(axes: Any, asked: bool) -> None:
-    """Give axes a legend where one is asked for, or there already, or two cycles are to be told apart."""
+def _curves_in(axes: Any) -> list[Any]:
+    return [each for each in axes.get_lines() if each.get_gid() == sweeps.CURVE]
+
+
+def _of_line(line: Mapping[str, Any]) -> dict[str, Any]:
+    """Return properties of a line by their long names; raise AttributeError before anything is drawn."""
+    from matplotlib.cbook import normalize_kwargs
+    from matplotlib.lines import Line2D
+
+    Line2D([], []).set(**line)
+    return normalize_kwargs(dict(line), Line2D)
+
+
+def _name_lines(axes: Any, asked: bool) -> None:
+    """Give axes a legend where one is asked for, or there already, or two lines are to be told apart."""
     unnamed = [each for each in axes.get_lines() if each.get_label().startswith(_HIDDEN)]
     if not (asked or len(unnamed) > 1 or (unnamed and axes.get_legend())):
         return

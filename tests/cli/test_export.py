@@ -129,6 +129,10 @@ def test_modelica_refuses_another_number_of_inputs_before_it_simulates(command, 
     [
         (["gas.fluid=R454B"], "gas.fluid: is the blend R454B, whose condensing temperature is that of its dew point; "),
         (["gas.model=ideal"], "gas.model: TESPy's compressor, which takes real gas from one inlet, would be up to "),
+        (
+            ["effects.economizer={temperature: 18 degC, opens: 420 deg, closes: 520 deg, area: 1 cm^2}"],
+            "effects.economizer: lets in vapour or liquid, and TESPy's compressor takes gas from one inlet (leave",
+        ),
         (["gas.model=ideal", "operation.superheat=0 K"], "gas.model: TESPy's compressor, which takes real gas from o"),
         ([f"sweep.zip=[{{{T_E}: [-10 degC, 0 degC], operation.superheat: [5 K, 8 K]}}]"], "operation.superheat varies"),
         ([f"sweep.zip=[{{{T_E}: [-10 degC, 0 degC], operation.speed: [1e3 rpm, 2e3 rpm]}}]"], "operation.speed varies"),
@@ -184,3 +188,12 @@ def test_loads_of_a_machine_without_profile_are_its_flows(command, folder):
     found = json.loads(command("export", "loads", "small.yaml", "-o", "loads", "--json").out)
     assert found["status"] == "ok" and found["left_out"]
     assert command("export", "loads", "small.yaml", "-o", "small.yaml").code == 2
+
+
+@pytest.mark.parametrize(
+    "arguments", [("loads", "-o", "loads"), ("csv", "-o", "x.csv", "--over", SPEED, "--jobs", "1")]
+)
+def test_what_the_command_line_changes_stands_below_the_title(command, folder, arguments):
+    kind, *rest = arguments
+    answer = command("export", kind, "small.yaml", *rest, "--set", "operation.discharge.pressure=6 bar")
+    assert answer.out.splitlines()[1] == "with operation.discharge.pressure=6 bar"

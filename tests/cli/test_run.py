@@ -98,7 +98,7 @@ def test_a_point_that_is_not_ok_ends_with_4(folder, command, monkeypatch, ended,
 def test_what_the_command_line_changes_stands_below_the_title(folder, command):
     changes = ("--set", "operation.speed=1000 rpm", "--without", "tip_leakage")
     lines = command("run", "small.yaml", *changes).out.splitlines()
-    assert lines[:3] == ["small", "with operation.speed=1000 rpm, without tip_leakage", "status: ok"]
+    assert lines[:3] == ["small, changed", "with operation.speed=1000 rpm, without tip_leakage", "status: ok"]
 
 
 def test_knock_out_leaves_each_effect_out_as_without_does(folder, command, monkeypatch):
@@ -237,7 +237,7 @@ def test_short_of_what_fails_says_why_and_fits_the_screen(folder, command):
     answer = command("run", "oiled.yaml", "--short", "--set", "operation.speed=20 rpm")
     lines = answer.out.splitlines()
     assert len(lines) <= 24 and max(map(len, lines)) <= 80
-    assert lines[0].startswith("small: physically impossible: volumetric efficiency -")
+    assert lines[0].startswith("small, changed: physically impossible: volumetric efficiency -")
     assert lines[1] == "with operation.speed=20 rpm"
     assert any(line.startswith("warning: ") for line in lines)
 

@@ -119,6 +119,11 @@ def test_a_creeping_speed_that_is_none_is_one_line(started, text, words, capsys)
     assert not started
 
 
+def test_what_the_command_line_changes_stands_below_the_title(started, capsys):
+    assert cli.exit_code(["startup", str(CONFIGS / "drive/point.yaml"), "--set", "operation.speed=2900 rpm"]) == 0
+    assert "with operation.speed=2900 rpm" in capsys.readouterr().out.splitlines()[:3]
+
+
 def test_json_is_one_document_and_a_failed_start_has_exit_code_4(started, capsys):
     started["outcome"] = start_up.StartUp("failed", "the motor cannot start the machine")
     assert cli.exit_code(["startup", str(CONFIGS / "drive/point.yaml"), "--json"]) == 4

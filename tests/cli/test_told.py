@@ -158,3 +158,23 @@ def test_a_key_of_another_kind_of_profile_is_not_ignored_unsaid(measured, capsys
     code, out, _ = told(capsys, "run", measured, "--set", "machine.profile.root_radius=1 mm")
     assert code == 0
     assert "warning: machine.profile.root_radius: applies only to kind: rack, and kind: points does not read it" in out
+
+
+def test_plot_says_with_which_case_measured_pressures_are_compared_and_takes_another(tmp_path, capsys):
+    results, points = str(tmp_path / "kept.h5"), tmp_path / "p.csv"
+    swept = ("--set", "sweep.operation.speed=[1000 rpm, 3000 rpm]", "--set", "output.keep=cycle")
+    assert told(capsys, "sweep", PAPER, *swept, "-o", results, "--jobs", "1")[0] == 0
+    points.write_text("angle_deg,pressure_bar\n450,1.55\n600,6.3\n")
+    plot = ("plot", results, "-o", tmp_path / "figures", "--measured", points)
+    code, out, _ = told(capsys, *plot)
+    assert code == 0
+    assert "at operation.speed = 3000 rpm, the best case (--at PATH=VALUE chooses another) computed minus" in out
+    best = out.partition("computed minus measured ")[2].partition("bar,")[0]
+    code, out, _ = told(capsys, *plot, "--at", "operation.speed=1000 rpm")
+    assert code == 0 and "at operation.speed = 1000 rpm computed minus" in out
+    assert out.partition("computed minus measured ")[2].partition("bar,")[0] != best
+    assert told(capsys, *plot, "--at", "operation.speed=2000 rpm") == (
+        2,
+        "",
+        "operation.speed: there is no case at 2000 rpm (there are 1000 rpm, 3000 rpm)\n",
+    )

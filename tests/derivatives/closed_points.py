@@ -5,7 +5,8 @@ from pathlib import Path
 import screwsim
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import Series, problem_of
-from screwsim.derivatives.collocation import FINE, CollocatedCycle, Fineness, collocated
+from screwsim.derivatives.collocated_cycle import CollocatedCycle
+from screwsim.derivatives.collocation import FINE, Fineness, collocated
 from screwsim.scene import Scene
 from screwsim.solve.circuit import solve_with_surroundings, steady_state
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import screwsim
-from screwsim.derivatives import argument_changes, collocation, directions, driven
+from screwsim.derivatives import argument_changes, directions, driven, linear_cycle
 from screwsim.scene import with_values
 from screwsim.scene.fields import value_at
 from screwsim.simulate import simulate
@@ -44,7 +44,7 @@ def test_what_the_rates_feel_of_unknowns_is_computed_once_for_all_rounds(monkeyp
     """Only the curve of the speed changes from round to round; bits as without that."""
     scene = screwsim.load(DRIVES / "point.yaml", ["operation.speed=700 rpm"])
     paths, counts, found = ["effects.drive.rotor_inertia"], [], []
-    own, rates = collocation.linearised, argument_changes.rates_of
+    own, rates = linear_cycle.linearised, argument_changes.rates_of
     asked = []
     monkeypatch.setattr(argument_changes, "rates_of", lambda *of: asked.append(len(of[2])) or rates(*of))
     for each in (own, lambda cycle, changes, injected, _: own(cycle, changes, injected, None)):

@@ -8,7 +8,7 @@ import screwsim
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import Series, problem_of
 from screwsim.derivatives.collocation import FINE, QUICK, _with_vanished, collocated
-from screwsim.derivatives.slices import Crossing
+from screwsim.derivatives.mesh import Crossing
 from screwsim.solve.circuit import solve_with_surroundings, steady_state
 from screwsim.study.uncertainty.point import sensitivities
 

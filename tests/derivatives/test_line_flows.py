@@ -13,7 +13,7 @@ from screwsim.derivatives.around import number_shifted
 from screwsim.derivatives.collocation import FINE
 from screwsim.derivatives.directions import Directions
 from screwsim.derivatives.line_flows import LineMeans
-from screwsim.derivatives.slices import between
+from screwsim.derivatives.mesh import Mesh
 from screwsim.derivatives.solving import STEP
 from screwsim.model.slots import OF_GAS
 from screwsim.scene.fields import value_at
@@ -51,7 +51,7 @@ def test_means_of_a_parabola_are_exact():
     def flow(angles):
         return 1.0 + 2.0 * angles - 3.0 * angles**2
 
-    at, widths = between(edges).angles, np.diff(edges)[:, None]
+    at, widths = Mesh.between(edges).angles, np.diff(edges)[:, None]
     found = LineMeans.of(edges).through((widths * flow(at))[..., None])[0]
     assert_near(found, polynomial_means(edges, flow), rel=1e-5)
     assert found.mean() * edges[-1] == pytest.approx(edges[-1] + edges[-1] ** 2 - edges[-1] ** 3, rel=ROUNDING)

@@ -11,8 +11,9 @@ from test_against_differences import all_differenced
 import screwsim
 from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
-from screwsim.derivatives import chamber_newton
+from screwsim.derivatives import residual
 from screwsim.derivatives.collocation import QUICK
+from screwsim.derivatives.held import phases_of
 from screwsim.derivatives.lane_rates import rates
 from screwsim.derivatives.phases import border_temperature
 from screwsim.derivatives.rate_numbers import RateNumbers
@@ -45,28 +46,28 @@ def test_a_change_passes_the_border_of_the_phases_as_cycles_do(humid):
 
 
 def test_the_cycle_settles_on_the_border_of_the_phases(humid, monkeypatch):
-    asked, size_of = [], chamber_newton.size_of
-    monkeypatch.setattr(chamber_newton, "size_of", lambda *of: asked.append(1) or size_of(*of))
+    asked, size_of = [], residual.size_of
+    monkeypatch.setattr(residual, "size_of", lambda *of: asked.append(1) or size_of(*of))
     cycle = closed_scene(humid, QUICK)
-    assert np.diff(cycle.pitch.phases, axis=0).any()  # there is a border
+    assert np.diff(cycle.pitch.rates.held.phases, axis=0).any()  # there is a border
     assert 0 < len(asked) <= SETTLES
 
 
 def test_a_chamber_keeps_the_phase_of_its_slice(humid):
     cycle = closed_scene(humid, QUICK)
-    pitch = cycle.pitch
-    (k, chamber), *_ = np.argwhere(np.diff(pitch.phases, axis=0)).tolist()  # at the end of slice k it is passed
+    pitch, phases = cycle.pitch, cycle.pitch.rates.held.phases
+    (k, chamber), *_ = np.argwhere(np.diff(phases, axis=0)).tolist()  # at the end of slice k it is passed
     T, rho = chamber * pitch.n + np.array([S_T, S_RHO])
     sides = []
     for by in (-1e-9, 1e-9):
         Y = cycle.nodes.copy()
         at = border_temperature(pitch, *Y[k, -1, [T, rho]].tolist(), pitch.numbers)
         Y[k, -1, T] = at * (1.0 + by)
-        phase = pitch.phases_of(Y[k, -1].reshape(-1, pitch.n))[chamber]
-        sides.append((phase, pitch.rates(Y)[0][k, -1, T], rates(pitch, Y)[0][k, -1, T]))
+        phase = phases_of(pitch.machinery, Y[k, -1].reshape(-1, pitch.n))[chamber]
+        sides.append((phase, pitch.rates.at(Y)[0][k, -1, T], rates(pitch.rates, Y)[0][k, -1, T]))
     (dry, *below), (fog, *above) = sides
     assert dry != fog
-    behind = pitch.rates_in(pitch.phases[k + 1], k + 1, cycle.nodes[k, -1])[0][T]
+    behind = pitch.rates.at_start(k + 1, cycle.nodes[k, -1], phases[k + 1])[0][T]
     assert above == pytest.approx(below, rel=1e-5)
     assert abs(behind / above[0] - 1.0) > 0.1  # what it would be in the other phase
 

@@ -4,8 +4,8 @@ import numpy as np
 from each_row import each_row
 
 from screwsim.derivatives import chamber_stages, stages
-from screwsim.derivatives.blocks import Blocks, follow_once
-from screwsim.derivatives.slices import INTEGRALS, NODES
+from screwsim.derivatives.block_bidiagonal import BlockBidiagonal, follow_once
+from screwsim.derivatives.radau import INTEGRALS, NODES
 from screwsim.derivatives.stages import LITTLE
 
 COUNT, COLUMNS, WIDTH = 4, 5, 0.02
@@ -28,7 +28,7 @@ def test_stage_equations_are_solved_slice_by_slice(shape):
     J, (chambers, states, reach) = equations(draw, *shape), shape
     N, widths = chambers * states, np.full(COUNT, WIDTH)
     start, right = draw.normal(size=(N, COLUMNS)), draw.normal(size=(COUNT, NODES, N, COLUMNS))
-    found = Blocks(J, widths, states, reach).follow(start, right.copy())
+    found = BlockBidiagonal(J, widths, states, reach).follow(start, right.copy())
     np.testing.assert_array_equal(follow_once(J, widths, states, reach, start, right.copy()), found)
     before = start
     for k in range(COUNT):
@@ -49,7 +49,7 @@ def test_a_chamber_alone_has_the_bits_of_one_among_others(states):
     chamber_stages.compiled().chamber_stages__factor(J.reshape(-1, states, states), widths, states, *own)
     for one, other in zip(band, own, strict=True):
         np.testing.assert_array_equal(one, other)
-    blocks, right = Blocks(J, widths, states, 0), draw.normal(size=(COUNT, NODES, states, 1))
+    blocks, right = BlockBidiagonal(J, widths, states, 0), draw.normal(size=(COUNT, NODES, states, 1))
     through = blocks.follow(np.zeros((states, 1)), right.copy())[..., 0]
     np.testing.assert_array_equal(blocks.follow_one_by_one(right[..., 0], np.zeros((states, states))), through)
 

@@ -112,17 +112,17 @@ def test_events_are_where_an_integrated_turn_has_them(turn):
     machinery.swap()
     integrated = course_of(machinery.trajectory)
     assert status == 0
-    assert turn.pitch.course.events == integrated.events
-    assert turn.pitch.course.angles == pytest.approx(integrated.angles, abs=PLACED)
+    assert turn.pitch.events.course.events == integrated.events
+    assert turn.pitch.events.course.angles == pytest.approx(integrated.angles, abs=PLACED)
 
 
 def test_at_each_event_a_valve_is_at_its_end_and_turns_round_by_the_law_of_impact(turn):
     pitch, restitution = turn.pitch, 0.3
     stops, after = pitch.machinery.composition.stops, pitch.after(turn.nodes)
-    kinds = {event.what for event in pitch.course.events}
+    kinds = {event.what for event in pitch.events.course.events}
     assert kinds == {SEATED, STOPPED, LEAVES}
     assert np.abs(pitch.open_events(turn.nodes)).max() < 1e-9
-    for k, event, later in zip(pitch.passed, pitch.course.events, after, strict=True):
+    for k, event, later in zip(pitch.passed, pitch.events.course.events, after, strict=True):
         position, speed = stops[event.pair]
         before = turn.nodes[k, -1]
         if event.what == LEAVES:
@@ -135,7 +135,7 @@ def test_at_each_event_a_valve_is_at_its_end_and_turns_round_by_the_law_of_impac
 def test_what_rests_does_not_move_and_its_rates_depend_on_nothing(turn):
     pitch, slopes = turn.pitch, turn.slopes
     for pair, (position, speed) in enumerate(pitch.machinery.composition.stops):
-        rests = pitch.modes[:, pair] != 0.0
+        rests = pitch.events.course.modes_at(pitch.mesh.middles)[:, pair] != 0.0
         assert rests.any() and not rests.all()
         for state in (position, speed):
             assert not slopes.f[rests, :, state].any() and not slopes.by_states[rests, :, state].any()
@@ -150,7 +150,7 @@ def test_the_rates_of_a_chamber_alone_have_exact_derivatives_by_its_states(file)
         above, below = Y.copy(), Y.copy()
         above[..., state] += by
         below[..., state] -= by
-        slopes = (pitch.rates(above)[0] - pitch.rates(below)[0]) / (2.0 * by[..., None])
+        slopes = (pitch.rates.at(above)[0] - pitch.rates.at(below)[0]) / (2.0 * by[..., None])
         own = cycle.slopes.by_states[..., state]
         inside = np.median(np.abs(slopes - own) / np.maximum(np.abs(own), np.abs(own).max(axis=(0, 1)) * 1e-6 + 1e-300))
         assert inside < RATES, state
@@ -206,12 +206,13 @@ def test_events_that_are_not_those_of_the_cycle_leave_differences_with_the_reaso
 def test_a_valve_that_passes_where_it_is_held_is_noticed(turn, what, says):
     """Its states are those of the turn, but it is held as if one event had not been."""
     pitch = turn.pitch
-    held, k = pitch.modes, [event.what for event in pitch.course.events].index(what)
-    pair = pitch.course.events[k].pair
+    course = pitch.events.course
+    held, k = course.modes_at(pitch.mesh.middles), [event.what for event in course.events].index(what)
+    pair = course.events[k].pair
     moved, states = held.copy(), turn.nodes.copy()
     if what == LEAVES:  # it rests on
         moved[pitch.passed[k] + 1 :, pair] = held[pitch.passed[k], pair]
     else:  # it flies on
         states[pitch.passed[k], -1, pitch.machinery.composition.stops[pair][0]] += 1e-3
-    assert says in pitch.laws.missed(moved, states, pitch.numbers)
-    assert pitch.missed(turn.nodes) == ""
+    assert says in pitch.events.laws.missed(moved, states, pitch.numbers)
+    assert pitch.events.missed(turn.nodes, pitch.mesh, pitch.numbers) == ""

@@ -54,6 +54,7 @@ print(it.Paper().residuals(it.starts(1)[0][1]))" """,
     "python docs/tools/slider_crank_numbers.py": Program(long=True),
     "python docs/tools/new_valves.py": Program(long=True),
     "python docs/tools/oil_ratio.py": Program(long=True),
+    "python docs/tools/economizer_port.py": Program(long=True),
     "python docs/tools/package_coolers.py": Program(long=True),
 }
 

@@ -153,6 +153,15 @@ def test_figures_that_mean_nothing_say_why(fluid, flow, power, words):
     assert words in given["package_isentropic_efficiency"]
 
 
+@pytest.mark.parametrize(("coolant", "leaves"), [(None, 30.0), ("8 degC", 18.0), ("90 degC", 80.0)])
+def test_the_approach_of_an_aftercooler_is_to_its_coolant_or_to_the_air_at_the_inlet(coolant, leaves):
+    """Inlet 20 °C, separator 80 °C, approach 10 K; a warm coolant heats nothing."""
+    stated = [] if coolant is None else [f"{PACKAGE}.aftercooler.coolant_temperature={coolant}"]
+    found = solved(*stated, PLAIN).performance
+    assert found.package_discharge_temperature == pytest.approx(leaves + 273.15, abs=0.01)
+    assert found.aftercooler_duty == pytest.approx(found.gas_mass_flow * 1006.0 * (80.0 - leaves), rel=0.01, abs=1.0)
+
+
 def test_a_gas_that_condenses_behind_the_aftercooler_has_no_temperature_there_and_says_why():
     def liquid(p, T):
         raise QuantityNotFound(f"R134a at {p:g} Pa, {T:g} K is liquid")

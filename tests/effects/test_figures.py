@@ -15,7 +15,7 @@ from scenes import make, scene_dict
 
 from screwsim import simulate
 from screwsim.build import build_parts
-from screwsim.cycle.cycle_figures import power_losses
+from screwsim.cycle.powers import power_losses
 from screwsim.effects import catalogue
 from screwsim.effects.base import PowerLoss
 from screwsim.explain import explain
@@ -117,7 +117,8 @@ def test_every_figure_that_the_core_gives_on_a_condition_is_called_for_by_it():
     over_time = each.with_it("refrigerant_solubility", ("effects.refrigerant_solubility.flash_time=5 ms",))
     moist = load(ROOT / "configs" / "air" / "humid_package.yaml")
     blend = load(ROOT / "configs" / "r454b" / "point.yaml")
-    scenes = expander, everything, throttled, over_time, moist, blend, load(PISTON)
+    wet = load(ROOT / "configs" / "r134a" / "point.yaml", ["gas.two_phase=equilibrium"])
+    scenes = expander, everything, throttled, over_time, moist, blend, wet, load(PISTON)
     every = [set(called(scene)) & set(PERFORMANCE) for scene in scenes]
     assert set.union(*every) == set(PERFORMANCE)
     assert {name for name, figure in PERFORMANCE.items() if not figure.needs} == set.intersection(*every)

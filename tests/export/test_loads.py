@@ -13,6 +13,7 @@ from rotor_mesh import ALONG, areas, centres, positions
 from screwsim.export import loads as exported
 from screwsim.export.loads import flows_of, harmonics
 from screwsim.export.rotor_loads import Pressures, Supports, loads_of, pressures_of
+from screwsim.export.rotor_supports import assumed_of
 from screwsim.export.source import run_of, spans_of
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.profile_law import laid_curves
@@ -245,3 +246,13 @@ def test_bearings_need_two_lengths(text, says):
     with pytest.raises(UsageError, match=says):
         spans_of(text)
     assert spans_of("40 mm, 6 cm") == (0.04, 0.06) and spans_of(None) is None
+
+
+def test_what_is_assumed_of_bearings_and_shafts_is_told():
+    where, bare = "of the male and female rotor in the end planes", "no shafts, whose area the thrust then includes"
+    assert assumed_of(Supports()) == (
+        f"assumed: bearings {where}, and {bare} (state --bearings and --shafts, or effects.bearings)"
+    )
+    one = Supports(located=(True, False), sized=(True, True))
+    assert "of the female rotor" in assumed_of(one) and "--shafts" not in assumed_of(one)
+    assert not assumed_of(Supports(located=(True, True), sized=(True, True)))

@@ -131,7 +131,7 @@ def test_inputs_are_named_by_their_stage_only_where_both_have_them(plant):
 
 def test_usual_outputs_are_those_that_the_plant_has(plant):
     names = [each.name for each in read_outputs(read_stages(plant()))]
-    assert names == ["gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity"]
+    assert names == ["gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity", "heating_capacity"]
     needed = "a motor in both scenes and air for its gas"
     with pytest.raises(UsageError, match=f"package_input_power: .* these two stages: it needs {needed} "):
         read_outputs(read_stages(plant()), ["package_input_power"])

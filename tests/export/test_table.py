@@ -8,7 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from CoolProp.CoolProp import PropsSI
 
+from screwsim import simulate as simulate_scene
 from screwsim.export.inputs import read_inputs, read_outputs
 from screwsim.export.source import map_of
 from screwsim.export.table import TEMPERATURE_SCALE, scales, table_of, tabulated_map
@@ -22,7 +24,9 @@ from screwsim.study.sweep import run_sweep
 
 pytestmark = pytest.mark.around
 
-POINT = load(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml")
+ROOT = Path(__file__).parents[2]
+POINT = load(ROOT / "configs" / "paper" / "point.yaml")
+OF_CONDENSER = ("gas_mass_flow", "separator_temperature", "heating_capacity")
 SPEED, PRESSURE = "operation.speed=2000 rpm..4000 rpm", "operation.discharge.pressure=4 bar..16 bar"
 
 
@@ -55,6 +59,16 @@ def test_the_error_asked_for_is_kept_at_other_points():
     errors = np.abs(found - true) / scales(table.outputs, true)
     assert table.met and table.error <= 1e-3
     assert inside.sum() > 150 and np.max(errors[inside]) <= 1e-3
+
+
+def test_the_heat_of_a_condenser_follows_from_the_usual_outputs():
+    """A plant's model has what flows to its condenser, how warm it is behind the separator, and the heat itself."""
+    scene = load(ROOT / "configs" / "r134a" / "separator.yaml")
+    result = simulate_scene(scene).performance
+    m, T, heat = (getattr(result, each.name) for each in read_outputs(scene) if each.name in OF_CONDENSER)
+    T_c = scene.operation.condensing_temperature
+    p_c, liquid = (PropsSI(each, "T", T_c, "Q", 0, "R134a") for each in "PH")
+    assert m * (PropsSI("H", "T", T, "P", p_c, "R134a") - liquid) == pytest.approx(heat, rel=1e-4)
 
 
 def test_only_what_curves_is_refined():

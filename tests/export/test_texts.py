@@ -14,6 +14,7 @@ import pytest
 from screwsim.export import energyplus, modelica
 from screwsim.export.en12900 import (
     BTU,
+    ECONOMIZER,
     FIGURES,
     HEAD_LINE,
     NOTES,
@@ -91,6 +92,13 @@ def test_the_file_for_energyplus_says_that_an_economizer_cools_the_liquid_furthe
     assert ("rated_subcooling is that behind the condenser" in told) == economized
     text = energyplus.idf(energyplus.energyplus_objects(found, "x"), energyplus.notes(replace(found, economized=True)))
     assert objects(text).keys() == {"Version", *energyplus.CLASSES}
+
+
+@pytest.mark.parametrize("economized", [False, True])
+def test_coefficients_say_that_an_economizer_adds_to_the_capacity(found, economized):
+    of_machine = replace(found, economized=economized)
+    assert (f"# {ECONOMIZER}" in en12900_csv(of_machine).splitlines()) == economized
+    assert (en12900_document(of_machine).get("capacity_contains") == ECONOMIZER) == economized
 
 
 @pytest.mark.parametrize(("more", "economized"), [([], False), (["economizer_mass_flow"], True)])

@@ -144,6 +144,9 @@ def test_points_of_another_refrigerant_are_refused(tmp_path):
     file = written(tmp_path, "60,8.5,20,R134a", head=f"{HEAD},refrigerant")
     with pytest.raises(UsageError, match=r"has points of R134a, none of R290 \(name a file that has, or"):
         read_points(file, "R290")
+    file = written(tmp_path, "60,8.5,20,r290", head=f"{HEAD},refrigerant")
+    with pytest.raises(UsageError, match=r"line 2: 'r290' is no refrigerant that CoolProp has; did you mean 'R290'\?"):
+        read_points(file, "R290")
     file = written(tmp_path, "60,8.5,20,R1344a", head=f"{HEAD},refrigerant")
     with pytest.raises(UsageError, match=r"line 2: 'R1344a' is no refrigerant that CoolProp has"):
         read_points(file, "R290")

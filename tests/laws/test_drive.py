@@ -19,7 +19,8 @@ from screwsim.inputs.faults import UsageError
 from screwsim.model.compose import compose
 from screwsim.model.slots import OF_OIL, P_OMEGA, PORT_OIL, R_TRAPPED
 from screwsim.solve import drive
-from screwsim.solve.start_up import StartUpRun, _peak, start_up, steady_problem
+from screwsim.solve.start_up import StartUpRun, start_up, steady_problem
+from screwsim.solve.start_up_reading import peak_of
 
 DRIVE = {
     "motor_inertia": "0.8 kg m^2",
@@ -269,21 +270,21 @@ def test_a_start_ends_at_the_steady_motion():
 def test_a_peak_between_points_is_found_with_its_time(offset):
     """Of a cosine the parabola is h⁴ off, h the step in radians, the highest point up to h²/8."""
     angle = 0.05 * (np.arange(-20, 21) + offset)
-    height, place = _peak(np.cos(angle), 2.0 * angle)
+    height, place = peak_of(np.cos(angle), 2.0 * angle)
     assert height == pytest.approx(1.0, abs=0.05**4) and place == pytest.approx(0.0, abs=0.05**3)
 
 
 def test_a_plateau_and_an_end_are_no_summits():
     time = np.arange(4.0)
-    assert _peak(np.array([1.0, 5.0, 5.0, 2.0]), time) == (5.0, 1.0)
-    assert _peak(np.array([1.0, 2.0, 3.0, 5.0]), time) == (5.0, 3.0)
+    assert peak_of(np.array([1.0, 5.0, 5.0, 2.0]), time) == (5.0, 1.0)
+    assert peak_of(np.array([1.0, 2.0, 3.0, 5.0]), time) == (5.0, 3.0)
 
 
 def test_the_peaks_of_a_start_hardly_depend_on_the_points_between_which_they_are_read():
     traces, figures = started().traces, started().figures
     for name, figure in (("coupling_torque", "coupling_torque_peak"), ("twist", "twist_peak")):
         for first in (0, 1):
-            other, _ = _peak(np.abs(traces[name][first::2]), traces["time"][first::2])
+            other, _ = peak_of(np.abs(traces[name][first::2]), traces["time"][first::2])
             assert other == pytest.approx(figures[figure], rel=2e-5)
         assert figures[figure] >= np.max(np.abs(traces[name]))
 
@@ -402,6 +403,16 @@ def test_a_start_that_fails_says_why(changes, words):
     assert found.status == "failed"
     assert words in found.message
     assert all(np.isfinite(values).all() for values in found.traces.values())
+
+
+def test_a_start_that_displaced_oil_prevents_names_it_and_the_line_of_the_scene():
+    """Displaced oil comes whatever the speed, so that lifting it loads a creeping machine most."""
+    oil = {"kind": "displacement", "orifice_diameter": "8 mm", "temperature": "20 degC"}
+    oil = {"oil_supply": oil, "effects.oil_pump": False}
+    weak = {**DRIVEN, "effects.drive.motor": {**KLOSS, "breakdown_slip": 0.01}}
+    with_oil, without = (start_up(make({**weak, **each}), CREEP).message for each in (oil, {}))
+    assert "N m of which lift its oil" in with_oil and "or with less oil)" in with_oil
+    assert "oil" not in without and "at a lower operation.discharge.pressure)" in without
 
 
 def test_a_start_that_stops_within_its_first_pitch_tells_no_energies():

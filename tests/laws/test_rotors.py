@@ -75,6 +75,16 @@ def tabled(scene, folder):
     return load(folder / "scene.yaml")
 
 
+def test_tables_of_the_profile_end_where_the_curves_do(tmp_path):
+    """That of the suction port closed a degree after suction ends, with one more row of zero."""
+    files, geometry = table_files(ideal(), tmp_path), build_parts(ideal()).geometry
+    rows = {name: text.split()[-2:] for name, text in files.items() if name.endswith(".csv")}
+    angles = {name: [float(row.partition(",")[0]) for row in last] for name, last in rows.items()}
+    assert all(last[1].endswith(",0") and not last[0].endswith(",0") for last in rows.values())
+    assert angles["suction_port.csv"][1] == pytest.approx(math.degrees(geometry.injection_angle), abs=1e-6)
+    assert angles["discharge_port.csv"][1] == pytest.approx(angles["volume.csv"][1], abs=1e-6)
+
+
 def test_tables_of_the_profile_hold_the_stated_blow_hole(tmp_path):
     scene = ideal("effects.blow_hole.area=40 mm^2")  # the profile's own is 7.4 mm²
 

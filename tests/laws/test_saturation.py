@@ -11,6 +11,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.scene import case, case_count, load, loads
 from screwsim.simulate import simulate, simulate_many
 from screwsim.study.asked.goals import read_bounds
+from screwsim.template import new_scene, request_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 NAMES = {"evaporating_temperature", "condensing_temperature", "suction_superheat", "discharge_superheat"}
@@ -41,6 +42,18 @@ def test_pressures_alone_have_their_saturation(result):
     assert p.suction_superheat == pytest.approx(283.0 - low, abs=1e-6)
     assert p.discharge_superheat == pytest.approx(p.discharge_temperature - high, abs=1e-6)
     assert not BUBBLES & {*p}
+
+
+def test_the_quality_at_discharge_closes_the_energy_of_steam_that_expands_wet():
+    """h_1 less the indicated power over the flow is that of liquid and vapour in this share; dry gas has 1."""
+    scene = loads(new_scene("expander", request_of(fluid="Water", condition="6/1 bar, 170 degC")))
+    result = simulate(scene, trace=False)
+    p, h = result.performance, [PropsSI("H", "P", 1e5, "Q", share, "Water") for share in (0, 1)]
+    left = PropsSI("H", "P", 6e5, "T", 443.15, "Water") + p.indicated_power / p.gas_mass_flow
+    assert 0.9 < p.discharge_quality < 0.98
+    assert p.discharge_quality == pytest.approx((left - h[0]) / (h[1] - h[0]), abs=5e-4)
+    dry = {**PRESSURES, "gas": {**PRESSURES["gas"], "two_phase": "equilibrium"}}
+    assert run(dry).performance.discharge_quality == 1.0
 
 
 def test_what_is_stated_comes_back():

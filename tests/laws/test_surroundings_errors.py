@@ -11,29 +11,22 @@ from screwsim.cycle.problem import Series, problem_of
 from screwsim.figures.errors import relative_errors
 from screwsim.scene import load
 from screwsim.simulate import simulate
-from screwsim.solve.circuit import SurroundingsSearch, _learnt, _weight, steady_state
+from screwsim.solve.circuit import SurroundingsSearch, steady_state
 from screwsim.solve.surroundings import implied_surroundings
-from screwsim.solve.surroundings_errors import BEHIND, KPA, SUPPLY, secant_updated
+from screwsim.solve.surroundings_errors import BEHIND, KPA, SUPPLY
+from screwsim.solve.surroundings_steps import learnt, trusted_share
 
 PACKAGE = Path(__file__).parents[2] / "configs" / "air" / "fixed_speed_10.yaml"
 MOIST = PACKAGE.with_name("moist.yaml")
 SLOWER = "operation.speed=2398.5 rpm"
 
 
-def test_an_update_gives_the_change_it_learns_and_keeps_slopes_across_it():
-    slopes, moved, across = np.array([[1.0, 2.0], [0.0, -3.0]]), np.array([0.5, 0.5]), np.array([1.0, -1.0])
-    change = np.array([4.0, 7.0])
-    learnt = secant_updated(slopes, change, moved)
-    assert learnt @ moved == pytest.approx(change)
-    assert learnt @ across == pytest.approx(slopes @ across)
-
-
 def test_of_a_change_that_errors_could_make_hardly_anything_is_learnt():
     slopes, moved, change = np.array([[-1.0]]), np.array([0.1]), np.array([0.4])
-    sure, unsure = (_learnt(slopes, change, moved, _weight(moved, 0.0, wrong)) for wrong in (0.0, 2.0))
+    sure, unsure = (learnt(slopes, change, moved, trusted_share(moved, 0.0, wrong)) for wrong in (0.0, 2.0))
     assert sure == slopes  # it would reverse the response
     assert unsure == pytest.approx(slopes, rel=0.02)
-    half = _learnt(slopes, np.array([-0.05]), moved, _weight(moved, 0.1))
+    half = learnt(slopes, np.array([-0.05]), moved, trusted_share(moved, 0.1))
     assert half == pytest.approx(np.array([[-0.75]]))
 
 
@@ -52,7 +45,7 @@ def test_what_enters_the_chambers_tells_the_oil_s_temperature_before_the_cycle_i
 def test_figures_that_state_an_unknown_go_with_it_alone_whatever_steps_were_made():
     series = Series()
     _, search = steady_state(problem_of(load(PACKAGE), series), series)
-    assert len(search.seen) > 1
+    assert len(search.learnt.seen) > 1
     for name, unknown, unit in (("discharge_pressure", BEHIND, KPA), ("oil_supply_temperature", SUPPLY, 1.0)):
         slope = series.surroundings.slopes[name]
         assert slope == pytest.approx(unit * np.eye(len(slope))[unknown], abs=1e-6 * unit), name

@@ -132,6 +132,83 @@ def test_a_table_beside_rotors_follows_their_ratio(tmp_path):
         assert ratio_of(found) == pytest.approx(ratio, rel=1e-9)
 
 
+@pytest.fixture
+def drawn(tmp_path):
+    """Return the scene of rotors (b) with a discharge port as drawn, which no volume ratio moves, and its opening."""
+    base = CONFIGS / "rotors" / "b.yaml"
+    rows = [(660.0 + i, 9e-4 * math.sin(math.pi * i / 176) ** 2) for i in range(177)]
+    port = write(tmp_path / "drawn.csv", "area_m2", rows)
+    stated = f"machine.discharge_port={{law: table, file: {port}}}"
+    return screwsim.load(base, [stated, "machine.built_in_volume_ratio=null"]), rows
+
+
+def test_a_port_as_drawn_beside_rotors_stays_where_it_is_without_a_ratio(drawn):
+    scene, rows = drawn
+    found = geometry(scene)
+    angles, areas = found.discharge_law().rows
+    assert (np.degrees(angles), areas) == (
+        pytest.approx([row[0] for row in rows]),
+        pytest.approx([row[1] for row in rows]),
+    )
+    assert math.degrees(found.discharge_opens) == pytest.approx(660.0)
+    assert math.degrees(found.profile.opens) == pytest.approx(660.0, abs=1e-6)  # where steps of the gaps end, too
+    result = screwsim.simulate(scene, trace=False)
+    assert result.status == "ok"
+    assert result.performance.built_in_volume_ratio == pytest.approx(ratio_of(found), rel=1e-9)
+    told = " ".join(str(explain(scene)).split())
+    assert f"built-in volume ratio {found.profile.swept / volume(found, 660.0):.4g}, where the table" in told
+
+
+def volume(found, angle):
+    """Return the volume of rotors [m³], without the dead volume, at an angle [deg]."""
+    return float(
+        found.profile.rotors.volume(np.array(math.radians(angle) - found.profile.born) + found.profile.rotors.start)
+    )
+
+
+def test_a_port_as_drawn_is_that_of_its_own_ratio(drawn):
+    scene, _ = drawn
+    own = screwsim.simulate(scene, trace=False).performance
+    ratio = geometry(scene).built_in_volume_ratio(
+        lambda angle: geometry(scene).volume_law().along(np.array([angle]))[0][0]
+    )
+    stated = screwsim.simulate(scene.with_({"machine.built_in_volume_ratio": float(ratio)}), trace=False).performance
+    for name in ("isentropic_efficiency", "volumetric_efficiency", "shaft_power"):
+        assert stated[name] == pytest.approx(own[name], rel=3e-4)  # the wanted accuracy of both
+
+
+def test_a_port_beside_rotors_that_opens_before_suction_closes_needs_no_ratio_either(tmp_path):
+    port = write(tmp_path / "early.csv", "area_m2", [(440, 0), (500, 1e-4), (740, 9e-4), (836, 0)])
+    stated = f"machine.discharge_port={{law: table, file: {port}}}"
+    scene = screwsim.load(CONFIGS / "rotors" / "b.yaml", [stated, "machine.built_in_volume_ratio=null"])
+    found = geometry(scene)
+    assert found.profile.opens == pytest.approx(found.profile.injection, abs=1e-6)
+    assert math.degrees(found.discharge_opens) == pytest.approx(440.0)
+
+
+def test_the_tables_of_rotors_keep_the_ratio_that_moves_a_port_of_the_scene_s_own(drawn, tmp_path):
+    from screwsim.report.rotors_scene import write as write_rotors
+
+    for ratio in (None, 2.4):
+        scene = drawn[0].with_({"machine.built_in_volume_ratio": ratio})
+        write_rotors(scene, tmp_path / f"{ratio}")
+        again = geometry(screwsim.load(tmp_path / f"{ratio}" / "table" / "scene.yaml"))
+        assert again.discharge_opens == pytest.approx(geometry(scene).discharge_opens, abs=math.radians(0.02))
+
+
+def test_run_says_how_far_a_table_is_shifted(drawn):
+    from screwsim.scene.plausible import moved_port_lines
+
+    scene, _ = drawn
+    assert moved_port_lines(scene) == []
+    moved = scene.with_({"machine.built_in_volume_ratio": 2.2})
+    opens = math.degrees(geometry(moved).discharge_opens)
+    assert moved_port_lines(moved) == [
+        f"the table of machine.discharge_port opens at 660 deg, and is shifted to {opens:.4g} deg by "
+        "machine.built_in_volume_ratio: 2.2 (null keeps it as it is)"
+    ]
+
+
 def test_explain_says_where_the_moved_port_opens(tables):
     scene = tabled(tables, "machine.built_in_volume_ratio=4")
     opens = math.degrees(geometry(scene).discharge_opens)

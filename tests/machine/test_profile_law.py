@@ -199,11 +199,11 @@ def test_of_many_profiles_no_more_are_kept_than_is_stated():
 @pytest.mark.parametrize(
     ("window", "told"),
     [
-        ("opens: 10 deg, closes: 50 deg", "opens: lies before 54.84 deg, where the chamber's volume begins"),
-        ("opens: 10 deg, closes: 110 deg", "opens: lies before 54.84 deg, where the chamber's volume begins"),
-        ("opens: 700 deg, closes: 840 deg", "closes: lies beyond 836.275 deg, where the chamber's volume ends"),
+        ("opens: 10 deg, closes: 50 deg", "opens: lies before 54.85 deg, where the chamber's volume begins"),
+        ("opens: 10 deg, closes: 110 deg", "opens: lies before 54.85 deg, where the chamber's volume begins"),
+        ("opens: 700 deg, closes: 840 deg", "closes: lies beyond 836.27 deg, where the chamber's volume ends"),
         ("opens: 700 deg, closes: 901 deg", "closes: lies beyond the chamber's life of 900 deg"),
-        ("opens: 55 deg, closes: 830 deg", None),
+        ("opens: 54.85 deg, closes: 836.27 deg", None),
     ],
 )
 @pytest.mark.parametrize("effect", ["oil_injection={", "economizer={temperature: 20 degC, area: 1 cm^2, "])

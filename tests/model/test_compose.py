@@ -86,7 +86,7 @@ def test_both_forms_of_equation_12_have_their_own_text():
 
 def forget():
     """Let texts be written anew."""
-    composing.structured.cache_clear()
+    composing.structure_of.cache_clear()
     composing.module_text.cache_clear()
 
 

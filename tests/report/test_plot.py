@@ -209,3 +209,64 @@ def test_a_sweep_of_which_one_point_of_an_axis_closed_has_no_curve_and_says_so(t
     assert draw_overlay(one, one, tmp_path) == []
     with pytest.raises(screwsim.UsageError, match="no two points along an axis closed, 2 of 4 cases did not"):
         draw_figures(path, tmp_path)
+
+
+@pytest.fixture(scope="module")
+def kept(tmp_path_factory):
+    """Return a file of three speeds with their cycles."""
+    path = tmp_path_factory.mktemp("kept") / "kept.h5"
+    scene = loads(SCENE).with_({"sweep.operation.speed": ["1000 rpm", "2000 rpm", "3000 rpm"], "output.keep": "cycle"})
+    run_sweep(scene, path, jobs=1)
+    return screwsim.open_results(path)
+
+
+@pytest.mark.parametrize("number", range(3))
+def test_the_cycle_of_the_case_that_is_asked_for_is_drawn(kept, number):
+    axes = Figure().subplots()
+    plot.pv(kept.showing({"operation.speed": f"{number + 1}000 rpm"}), ax=axes)
+    np.testing.assert_allclose(axes.get_lines()[0].get_ydata(), kept.cycle["pressure"][number] * 1e-5)
+
+
+def test_marks_of_a_second_loop_do_not_lie_on_those_of_the_first(kept, axes):
+    plot.pv(kept.showing({"operation.speed": "1000 rpm"}), ax=axes, label="slow")
+    told = [text.get_text() for text in axes.texts]
+    plot.pv(kept.showing({"operation.speed": "3000 rpm"}), ax=axes, label="fast")
+    marks = [text for text in (text.get_text() for text in axes.texts) if "°" in text]
+    assert marks == [text for text in told if "°" in text] != []
+
+
+def test_one_case_is_not_called_the_best(kept):
+    assert chosen_trace(kept).title.startswith("best case: ")
+    assert not chosen_trace(kept.showing({"operation.speed": "1000 rpm"})).title.startswith("best case")
+
+
+@pytest.fixture(scope="module")
+def two_files(tmp_path_factory):
+    """Return two files of one figure over the speed, the second of other speeds and gaps."""
+    folder = tmp_path_factory.mktemp("two")
+    for name, speeds in (("narrow", ["1000 rpm", "2000 rpm"]), ("wide", ["1500 rpm", "4000 rpm"])):
+        run_sweep(loads(SCENE).with_({"sweep.operation.speed": speeds}), folder / f"{name}.h5", jobs=1, simulate=ok)
+    return folder / "narrow.h5", folder / "wide.h5"
+
+
+def test_curves_of_two_files_in_the_same_axes_are_told_apart_and_fit_into_them(two_files, axes):
+    for path in two_files:
+        plot.curves(path, "shaft_power", ax=axes)
+    texts, lines = legend(axes)
+    assert [text.get_text() for text in texts] == ["narrow", "wide"]
+    assert len({line.get_color() for line in lines}) == 2
+    assert axes.get_xlim() == pytest.approx((1000.0, 4000.0))
+
+
+def test_a_curve_has_the_properties_that_are_given(two_files, axes):
+    plot.curves(two_files[0], "shaft_power", ax=axes, c="red", lw=3.0, label="narrow gaps")
+    line = axes.get_lines()[0]
+    assert (line.get_color(), line.get_linewidth()) == ("red", 3.0)
+    assert [text.get_text() for text in legend(axes)[0]] == ["narrow gaps"]
+    with pytest.raises(AttributeError):
+        plot.curves(two_files[0], "shaft_power", ax=axes, colour="red")
+
+
+def test_properties_of_one_line_are_refused_for_several_curves(swept, axes):
+    with pytest.raises(screwsim.UsageError, match=r"^color: there are \d+ curves \(leave it out, or sweep one path\)$"):
+        plot.curves(swept, ax=axes, color="red")

@@ -233,6 +233,12 @@ NEWCOMERS = [
     ),
     (
         "model: ideal",
+        "model: covolume",
+        "x.yaml:13:10: gas.model: 'covolume' is not an option (choose from: ideal, real, or the dotted name of a "
+        "module of your own)",
+    ),
+    (
+        "model: ideal",
         "model: ideal gas",
         "x.yaml:13:10: gas.model: 'ideal gas' is not an option; did you mean 'ideal'? (choose from: ideal, real)",
     ),
@@ -659,3 +665,11 @@ def test_without_an_inactive_effect_lists_the_active_ones(example):
     assert str(error.value) == (
         "--without blow_hole: that effect is not active in this scene (active: suction_port, discharge_port)"
     )
+
+
+def test_a_long_mapping_on_the_command_line_is_not_repeated_with_each_of_its_faults():
+    bearings = "{load: gas, radial_area: 30 cm^2, axial_area: 20 cm^2, shaft_diameter: 60 mm, female_load: 1}"
+    with pytest.raises(SceneError) as refused:
+        load(Path(__file__).parents[2] / "configs/paper/point.yaml", [f"effects.bearings={bearings}"])
+    assert len(refused.value.lines) > 1
+    assert all(line.startswith("--set effects.bearings=…: effects.bearings.") for line in refused.value.lines)

@@ -10,7 +10,7 @@ from each_row import each_row
 
 from screwsim.effects import catalogue
 from screwsim.fluid import constants
-from screwsim.inputs.declare import KINDS
+from screwsim.inputs.declare import AREA, KINDS
 from screwsim.inputs.faults import SceneError
 from screwsim.machine.kinds import MACHINES
 from screwsim.machine.profile_law import laid_curves
@@ -236,7 +236,8 @@ def test_the_table_of_sizes_names_paths_that_scenes_have(kind):
     leaves, machine = leaf_paths(PARAMETERS, kind), MACHINES[kind]
     of_effects = [size for name, effect in catalogue().items() for size in sizes_of_effect(machine, name, effect)]
     for size in (*machine.sizes, *of_effects):
-        assert leaves[size.path].kind in ("length", "area", "volume"), size.path
+        leaf = leaves[size.path]
+        assert leaf.kind in ("length", "area", "volume") or leaf.limits.get("curve") == AREA, size.path
         assert size.usual[0] < size.usual[1] <= size.most, size.path
 
 
@@ -356,3 +357,30 @@ def test_points_of_a_profile_are_those_of_the_rotor_diameter(tmp_path):
     load(b, overrides=points)
     line = said(b, *points, "machine.rotor_diameter=170 mm")
     assert "machine.rotor_diameter: is 170 mm, and the points of machine.profile.file reach to 160 mm (write" in line
+
+
+@pytest.mark.parametrize("largest", [9.0, 0.2])
+def test_a_port_of_a_table_as_wide_as_no_housing_is_warned_of_as_a_stated_area(tmp_path, largest):
+    (tmp_path / "port.csv").write_text(f"angle_deg,area_m2\n0,0\n90,{largest}\n300,{largest}\n360,0\n")
+    tabled = f"machine.suction_port={{law: table, area: null, phi_B: null, file: {tmp_path / 'port.csv'}}}"
+    paper = CONFIGS / "paper" / "point.yaml"
+    (told,) = scene_warnings(load(paper, overrides=[tabled]))
+    (stated,) = scene_warnings(load(paper, overrides=[f"machine.suction_port.area={largest} m^2"]))
+    assert told.startswith("machine.suction_port.file: ")
+    assert "port.csv': its largest area, " in told
+    assert told.partition(" is ")[2] == stated.partition(" is ")[2]
+
+
+def test_a_leak_of_a_table_far_wider_than_any_gap_is_warned_of_or_refused(tmp_path):
+    def warnings_of(area):
+        (tmp_path / "leak.csv").write_text(f"angle_deg,area_m2\n0,0\n400,{area}\n600,{area}\n720,0\n")
+        changes = ["effects.blow_hole.area=null", f"effects.blow_hole.area_file={tmp_path / 'leak.csv'}"]
+        return scene_warnings(load(CONFIGS / "paper" / "point.yaml", overrides=changes))
+
+    assert warnings_of(1.5e-5) == ()
+    (told,) = warnings_of(0.015)  # 150 cm² by a table in which cm² were taken for m²
+    assert "its largest area, 150 cm^2, is 0.586 of the rotor diameter's square (usual: at most 0.05)" in told
+    with pytest.raises(
+        SceneError, match=r"area_file: .*5.86 times .* impossible \(areas are in m\^2; is the unit right"
+    ):
+        warnings_of(0.15)

@@ -271,6 +271,26 @@ def yaml_of(text: str) -> dict:
     return YAML(typ="safe", pure=True).load(text)
 
 
+def test_an_uncertainty_in_percent_is_a_share_of_each_value_but_of_an_efficiency_points(tmp_path):
+    head = "operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [%]{},isentropic_efficiency [%],"
+    rows = "isentropic_efficiency_uncertainty [%]\n1000,4,1,70,1\n2000,8,1,70,1\n3000,12,0.5,70,1\n"
+    points = read_fit(write_fit(tmp_path, points=head.format("") + rows)).points
+    assert [each.measured["shaft_power"].uncertainty for each in points] == pytest.approx([40.0, 80.0, 60.0])
+    assert all(each.measured["isentropic_efficiency"].uncertainty == pytest.approx(0.01) for each in points)
+    points = read_fit(write_fit(tmp_path, points=head.format(" (k=2)") + rows)).points
+    assert points[0].measured["shaft_power"].uncertainty == pytest.approx(20.0)
+    with pytest.raises(SceneError, match="shaft_power: is 0, of which no share is an uncertainty"):
+        read_fit(write_fit(tmp_path, points=head.format("") + rows.replace("1000,4,", "1000,0,")))
+
+
+@pytest.mark.parametrize("figure", ["discharge_temperature [degC]", "discharge_pressure [bar(g)]"])
+def test_no_share_of_a_reading_with_a_zero_of_its_own_is_an_uncertainty(tmp_path, figure):
+    own = figure.partition(" ")[0] + "_uncertainty"
+    head = f"operation.speed [rpm],{figure},{own} [%]\n"
+    with pytest.raises(SceneError, match=rf"{own}: unit '%' is "):
+        read_fit(write_fit(tmp_path, points=head + "1000,80,1\n2000,80,1\n3000,80,1\n"))
+
+
 def test_an_uncertainty_is_standard_unless_its_head_states_another_coverage_factor(tmp_path):
     def uncertainty(factor):
         points = POINTS.replace("_uncertainty [kW]", f"_uncertainty [kW]{factor}")

@@ -171,6 +171,31 @@ def test_another_inlet_than_the_usual_is_noted():
     assert not any("an inlet other than" in note for note in air_sheet(*rated("fixed_speed_7")).notes)
 
 
+@pytest.mark.parametrize(
+    ("inlet", "motors", "thin"),
+    [
+        ("operation.suction.pressure=0.9 bar", False, False),
+        ("operation.suction.temperature=40 degC", False, False),
+        ("operation.suction.temperature=45 degC", True, False),
+        ("operation.suction.pressure=0.795 bar", True, True),
+    ],
+)
+def test_what_thin_and_hot_air_change_beside_the_machine_is_noted(inlet, motors, thin):
+    notes = air_sheet(*rated("fixed_speed_7", inlet)).notes
+    assert any("IEC 60034-1" in note for note in notes) == motors
+    assert any("thin air cools less" in note for note in notes) == thin
+
+
+@pytest.mark.parametrize("inlet", ["operation.suction.pressure=0.795 bar", "operation.suction.temperature=45 degC"])
+@pytest.mark.parametrize("name", ["fixed_speed_7", "variable_speed_7"])
+def test_a_package_at_another_inlet_is_not_judged(name, inlet):
+    """Thin or hot air raises the efficiency: a package is judged as data sheets are compared, or not at all."""
+    scene, of = rated(name, inlet)
+    assert (of.regulation.met, of.regulation.covered, of.regulation.loads) == (None, True, ())
+    _, told, met = air_sheet(scene, of).verdict
+    assert met is None and told.startswith("required: ") and "; no verdict: rated at an inlet other than" in told
+
+
 class Counted(Progress):
     """What a progress is told: how many points were announced, and how many were finished."""
 

@@ -228,9 +228,17 @@ def test_the_speed_beside_the_swept_volume_is_the_one_that_a_motor_on_the_mains_
 
 def test_an_expanders_oil_comes_from_a_pump_and_is_warmed_elsewhere():
     for changes, warms in (
-        ([], "39.6 kW warm it again"),
+        ([], "39.6 kW warm it again, which no efficiency counts"),
         (["effects.separator=off"], "what warms it again is not simulated (effects.separator)"),
     ):
         scene = screwsim.load(CONFIGS / "expander" / "oil.yaml", changes)
         (told,) = dict(oil_line(scene, screwsim.simulate(scene).performance)).values()
         assert told.startswith("from a pump") and told.endswith(f"at 95.0 °C; {warms}")
+
+
+def test_a_sheet_shows_the_heat_of_an_expanders_oil_as_heat_it_takes():
+    over = ["sweep.operation.speed=[3000 rpm]", "sweep.operation.discharge.pressure=[7 bar]"]
+    scene = screwsim.load(CONFIGS / "expander" / "oil.yaml", over)
+    tables = {table.title: table for table in screwsim.datasheet(scene, jobs=1).tables}
+    (row,) = tables["Heat that warms the oil [kW]"].rows
+    assert float(row[1].strip("*\u00a0")) == pytest.approx(39.6, abs=0.06)

@@ -21,6 +21,7 @@ from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet import SheetOptions, sheet_of
 from screwsim.study.datasheet.assumed import oil_viscosity
 from screwsim.study.datasheet.bounds import envelope, exceeded_bounds, limits_of
+from screwsim.study.datasheet.marks import marks_of
 from screwsim.study.datasheet.rated import rating
 from screwsim.study.datasheet.refrigeration_sheet import (
     convention_notes,
@@ -30,6 +31,7 @@ from screwsim.study.datasheet.refrigeration_sheet import (
 )
 from screwsim.study.datasheet.sheet import warning_lines
 from screwsim.study.datasheet.tables import part_load_note
+from screwsim.study.datasheet.units import METRIC
 from screwsim.study.part_load import LOADS, NEAR, RATIO_PATH, Control, controls, part_load, ratios
 from screwsim.template import new_scene, request_of
 
@@ -180,6 +182,15 @@ def test_a_heat_pumps_sheet_has_what_its_condenser_gives_beside_the_rest(rated, 
     assert sheet.document["points"] == both.document["points"]  # programs get it in any case
 
 
+def test_the_sheet_of_a_gas_cooler_has_its_words():
+    scene = screwsim.load(CONFIGS / "co2" / "transcritical.yaml")
+    p = scene.operation.gas_cooler.pressure
+    asked = rating_request(scene, "-11 degC..-9 degC", f"{0.98e-5 * p} bar..{1e-5 * p} bar", {})
+    sheet = refrigeration_sheet(rating(asked, jobs=1), heating=True)
+    assert sheet.heading.endswith("rating by evaporating temperature and gas-cooler pressure")
+    assert " from the gas cooler" in dict(sheet.lines)["heating"]
+
+
 def test_the_heating_of_a_machine_without_oil_leaves_no_oil_cooler_out():
     scene = screwsim.loads(new_scene("reciprocating", request_of(fluid="R290", condition="7/55 degC, 8 K")))
     sheet = refrigeration_sheet(
@@ -259,7 +270,7 @@ def test_a_control_that_ends_early_says_why(faked):
 def close(theirs, ours):
     """Tell whether two cells are the same to one in the last digit, which another machine may round otherwise."""
     digit = 10.0 ** -len(ours.partition(".")[2])
-    return float(theirs.strip("*")) == pytest.approx(float(ours.strip("*\u00a0")), abs=1.01 * digit)
+    return float(theirs.strip("*†")) == pytest.approx(float(ours.strip("*†\u00a0")), abs=1.01 * digit)
 
 
 def test_the_how_to_shows_what_the_command_prints(sheet):
@@ -277,12 +288,32 @@ def test_the_how_to_shows_what_the_command_prints(sheet):
 
 def test_limits_are_marked_and_warnings_reach_the_sheet(sheet):
     (power,) = (table for table in sheet.tables if table.title.startswith("Electrical power"))
-    assert power.rows[0][1].endswith("\u00a0") and power.rows[2][2].endswith("*")
-    assert "beyond a limit" in power.note
+    assert power.rows[0][1].endswith("\u00a0") and "*" in power.rows[2][2]
+    assert sheet.tables[0].note == "beyond a limit: * shaft power < 50 kW, † discharge temperature < 72 °C"
+    assert power.note == "marks: as above"
     assert "discharge temperature < 72 °C (--limit)" in dict(sheet.lines)["limits"]
     alike = list(warning_lines([("a", ["3 K too warm", "odd"]), ("b", ["5 K too warm"]), ("c", ["3 K too warm"])]))
     assert alike == ["a: 3 K too warm (the same at b, c)", "a: odd"]
     assert list(warning_lines([("a", ["same"]), ("b", ["same"])])) == ["same"]
+
+
+def test_each_limit_has_a_mark_of_its_own():
+    figures = (("discharge_temperature", 353.15), ("peak_pressure", 5e5), ("shaft_power", 1e4))
+    limits = [Bound(name, "<", value) for name, value in figures]
+    points = ((9e3, 4e5), (11e3, 4e5), (11e3, 6e5), (9e3, 6e5))
+    results = [
+        Result("ok", performance=Figures(shaft_power=power, peak_pressure=peak, discharge_temperature=300.0))
+        for power, peak in points
+    ]
+    marks = marks_of(limits, [*results, None])
+    blank = "\u00a0"
+    assert marks.column(results) == [2 * blank, f"*{blank}", "*†", f"†{blank}"]
+    assert marks.column(results[:1]) == [""]
+    assert marks.note(results[:2], METRIC) == "beyond a limit: * shaft power < 10 kW"
+    assert marks.note(results, METRIC).endswith(", † peak pressure < 5 bar") and not marks.note([None], METRIC)
+    many = [Bound("shaft_power", "<", each) for each in range(8)]
+    assert marks_of(many, results).note(results[:1], METRIC).count("shaft power") == 8
+    assert list(marks_of(many, results).of.values()) == ["*", "†", "‡", "§", "¶", "**", "††", "‡‡"]
 
 
 def test_it_prints_within_a_terminal_and_writes_a_page_and_a_pdf(sheet, tmp_path, capsys):

@@ -69,6 +69,17 @@ def test_two_goals_are_met_together():
     assert found.uncertainties["oil_supply.ratio"] == pytest.approx(333.15e-6 * (40.0 / 33.15) ** 2 / 40.0, rel=0.1)
 
 
+def test_a_goal_above_zero_of_a_power_that_is_given_off_is_told_its_sign():
+    def giving(one):
+        return Result(
+            "ok", performance=Figures(shaft_power=-20.0 * one.operation.speed), error=Figures(shaft_power=1e-6)
+        )
+
+    found = find(scene(), [RANGE], ["shaft_power=2 kW"], simulate=giving)
+    assert found.status == "none"
+    assert found.message.endswith(" (shaft power is below zero throughout: write e.g. shaft_power=-2 kW)")
+
+
 def test_a_goal_beyond_the_range_is_said_with_how_far_the_search_came():
     found = find(scene(), [RANGE], ["gas_mass_flow=1.9 kg/s"], simulate=saturating)
     assert (found.status, found.borders) == ("none", {SPEED: "upper border"})

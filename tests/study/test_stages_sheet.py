@@ -2,10 +2,12 @@
 
 import csv
 import json
+import re
 from dataclasses import replace
 from math import exp, log
 
 import pytest
+from CoolProp.CoolProp import PropsSI
 from scenes import DROP, scene_dict
 
 import screwsim
@@ -234,12 +236,24 @@ def test_of_two_fans_each_has_its_scene(tmp_path):
     assert dict(sheet.lines)["fan"] == "first scene 1 kW, at every flow; second scene 1 kW, at every flow"
 
 
-def test_an_aftercooler_behind_the_second_stage_is_refused(tmp_path):
-    package = {"rated_flow": "7 m^3/min", "aftercooler": {"pressure_loss": "0.1 bar", "approach": "8 K"}}
-    high = AIR_HIGH | {"effects.air_package": package, "effects.separator": {}}
-    path = written(tmp_path, AIR_LOW, high)
-    with pytest.raises(screwsim.SceneError, match=r"second scene names an aftercooler, .* \(write aftercooler: null"):
-        read_stages(path)
+def test_an_aftercooler_of_the_second_stage_states_its_coolant_and_the_sheet_the_outlet_and_the_heat(tmp_path):
+    """First law over both stages: what comes in as power leaves as heat, but for what the air takes along."""
+    cooler = {"pressure_loss": "0.1 bar", "approach": "8 K"}
+    stage = {"effects.separator": {"cooler": {"discharge_temperature": "75 degC"}}, "oil_supply.temperature": DROP}
+    low = AIR_LOW | stage | {"effects.air_package": {"rated_flow": "20 m^3/min"}}
+    high = AIR_HIGH | stage | {"effects.air_package": {"rated_flow": "7 m^3/min", "aftercooler": cooler}}
+    with pytest.raises(
+        screwsim.SceneError, match=r"second scene's aftercooler .* \(state its coolant_temperature there"
+    ):
+        read_stages(written(tmp_path, low, high))
+    high["effects.air_package"]["aftercooler"] = cooler | {"coolant_temperature": "15 degC"}
+    chain = read_stages(written(tmp_path, low, high))
+    lines, found = dict(sheet_of(chain, SheetOptions(jobs=1)).lines), run_stages(chain).performance
+    assert lines["outlet"] == "air at 23.0 °C"
+    taken = found.gas_mass_flow * PropsSI("C", "T", 295.0, "P", 1e3, "Air") * (23.0 - 20.0)
+    heat, oil = (float(each) for each in re.findall(r"([\d.]+) kW", lines["heat"]))
+    assert heat == pytest.approx(1e-3 * (found.package_input_power - taken), abs=0.06)
+    assert oil == pytest.approx(1e-3 * (found.first_oil_cooler_duty + found.second_oil_cooler_duty), abs=0.06)
 
 
 def test_an_aftercooler_behind_the_first_stage_is_refused(tmp_path):
@@ -311,7 +325,7 @@ def test_speeds_of_a_package_are_those_that_motors_on_the_mains_reach(package, m
     slow, failed = replace(found, stages=(low, found.stages[1])), ChainResult("failed", "no result")
     for one, rpm in ((slow, (2910.0, 1200.0)), (failed, (3000.0, 1200.0))):
         monkeypatch.setattr(stages_air, "_rated", lambda *_, one=one: ([set_at], [one]))
-        sheet = stages_air.air_stages_sheet(chain, demands=(), jobs=1, progress=None, units=METRIC)
+        sheet = stages_air.air_stages_sheet(chain, (), receiver=None, jobs=1, progress=None, units=METRIC)
         assert table(sheet, "Points").rows[0][:2] == [f"{each:.0f}" for each in rpm]
         point = sheet.document["points"][0]
         assert (point["first_speed"] / RPM, point["second_speed"] / RPM) == pytest.approx(rpm)

@@ -38,7 +38,8 @@ from tight import NotTight, Tight  # noqa: E402
 
 from screwsim.cycle.guess import lease_for  # noqa: E402
 from screwsim.cycle.problem import Series, problem_of  # noqa: E402
-from screwsim.derivatives.collocation import FINE, Fineness, NotClosed, collocated  # noqa: E402
+from screwsim.derivatives.collocated_cycle import NotClosed  # noqa: E402
+from screwsim.derivatives.collocation import FINE, Fineness, collocated  # noqa: E402
 from screwsim.derivatives.solving import derivatives, figures_of, with_settled_surroundings  # noqa: E402
 from screwsim.inputs.faults import ImpossibleValue, SceneError, UsageError  # noqa: E402
 from screwsim.model import leases  # noqa: E402

@@ -27,6 +27,13 @@ class Temperatures(NamedTuple):
     separator: float
 
 
+class OpenTemperatures(NamedTuple):
+    """Whether the temperatures of oil supply and separator are to be found with the cycle."""
+
+    supply: bool
+    separator: bool
+
+
 def package_of(scene: Scene) -> LosesPressure | None:
     """Return the parameters of the effect that puts a package around the machine; None without one."""
     return next(iter(parameters_of_type(scene.effects, LosesPressure).values()), None)
@@ -82,7 +89,7 @@ def with_temperatures(scene: Scene, at: Temperatures) -> Scene:
     """Return a scene with the given temperatures in place of those that it leaves open."""
     supply, effects = scene.oil_supply, scene.effects
     assert supply is not None
-    if open_temperatures(scene)[0]:
+    if open_temperatures(scene).supply:
         scene = with_changes(scene, oil_supply=with_changes(supply, temperature=FoundWithCycle(at.supply)))
     elif _is_open(supply.temperature):
         scene = _with_kept_temperature(scene)
@@ -97,13 +104,13 @@ def _cooling(scene: Scene) -> CoolsOil:
     return next(iter(parameters_of_type(scene.effects, CoolsOil).values()), CoolsOil())
 
 
-def open_temperatures(scene: Scene) -> tuple[bool, bool]:
-    """Tell whether the temperatures of oil supply and separator are to be found with the cycle."""
+def open_temperatures(scene: Scene) -> OpenTemperatures:
+    """Tell which temperatures of the oil's circuit are to be found with the cycle."""
     supply = scene.oil_supply
     if supply is None:
-        return False, False
+        return OpenTemperatures(False, False)
     follows = _is_open(supply.temperature) and _cooling(scene).outlet is None
-    return follows, bool(_effects_to_complete(scene))
+    return OpenTemperatures(follows, bool(_effects_to_complete(scene)))
 
 
 def _effects_to_complete(scene: Scene) -> dict[str, ActiveEffect]:

@@ -32,9 +32,7 @@ SOURCE = argument("SCENE|OUT.h5", "A scene or two stages to simulate, or the res
 RANGES = option(
     "PATH=LOW..HIGH", "An input of the map and its range (default: the scene's sweep); repeatable.", "--over"
 )
-FIGURE_NAMES = option(
-    "NAME", "An output of the map (default: flow, powers, discharge temperature, capacity).", "--figure"
-)
+FIGURE_NAMES = option("NAME", "An output of the map (default: flows, powers, temperatures, capacities).", "--figure")
 LARGEST_ERROR = option("E", "Largest relative error allowed in the map (default: 0.005).", "--error")
 MOST_CASES = option("N", "Largest number of grid points to simulate (default: 5000).", "--most-cases", min=2)
 _BAR = partial(progress_bar, "export")
@@ -61,11 +59,14 @@ def _announced_after(check: Callable[[Varied, Sequence[Input]], object]) -> Call
     return announce
 
 
-def print_map_and_files(table: MapTable, files: list[str], as_json: bool) -> int:
-    """Print a map and its files; return the exit code, not ok where its error exceeds the requested one."""
+def print_map_and_files(table: MapTable, files: list[str], as_json: bool, changed: Sequence[str]) -> int:
+    """Print a map, with what the command line changes in its scene, and its files.
+
+    Return the exit code, not ok where its error exceeds the requested one.
+    """
     from screwsim.printing.export import map_document, print_map
 
-    print_document_or_text(as_json, map_document, print_map, table, files)
+    print_document_or_text(as_json, map_document, partial(print_map, changed=changed), table, files)
     if table.met:
         return OK
     why = f"the error {table.error:.2g} is above the {table.wanted:g} requested"
@@ -109,7 +110,7 @@ def fmu(
         table = polynomial_table(table, wanted)
     make_folder(output.parent)
     write_fmu(table, output, version, compiled=not sources_only)
-    return print_map_and_files(table, [str(output)], as_json)
+    return print_map_and_files(table, [str(output)], as_json, options.changes(overrides, without))
 
 
 @app.command()
@@ -138,7 +139,7 @@ def modelica(
     written = [_write_content(output, package(table, name))]
     if name != output.stem:
         say(f"{output}: holds package {name}; tools that look packages up by file name expect {name}.mo", err=True)
-    return print_map_and_files(table, written, as_json)
+    return print_map_and_files(table, written, as_json, options.changes(overrides, without))
 
 
 @app.command("csv")
@@ -162,7 +163,8 @@ def comma_separated(
 
     protect_unmarked(output, TITLE_SEPARATOR)
     table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, _announce_map)
-    return print_map_and_files(table, [_write_content(output, csv_table(table))], as_json)
+    files = [_write_content(output, csv_table(table))]
+    return print_map_and_files(table, files, as_json, options.changes(overrides, without))
 
 
 @app.command()
@@ -224,7 +226,8 @@ def tespy(
     if any(sum(each["dissipation_ratio_range"]) < 0.0 for each in document["maps"]):
         why = "TESPy ignores heat added to the gas, e.g. by a motor, so its discharge temperature is too low"
         say(f"export: {why} (dissipation_ratio_range: as a share of the power)", err=True)
-    return _print_polynomials_and_files(document, FIGURES, rows, [_write_content(output, document)], as_json)
+    changed = options.changes(overrides, without)
+    return _print_polynomials_and_files(document, FIGURES, rows, [_write_content(output, document)], as_json, changed)
 
 
 @app.command()
@@ -257,7 +260,8 @@ def energyplus(
     ]
     errors = [{word: error for word, (_, error) in curve.items()} for curve in curves]
     said = {**document(found), "objects": objects, "largest_errors_of_normalised": errors}
-    return _print_polynomials_and_files(said, [*found.units, *curves[0]], rows, [file], as_json)
+    changed = options.changes(overrides, without)
+    return _print_polynomials_and_files(said, [*found.units, *curves[0]], rows, [file], as_json, changed)
 
 
 @app.command()
@@ -287,7 +291,8 @@ def en12900(
         say(f"export: {other}", err=True)
     document = made_for.en12900_document(found, ip)
     file = _write_content(output, made_for.en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
-    return _print_polynomials_and_files(document, list(found.units), _polynomial_errors(found), [file], as_json)
+    changed, errors = options.changes(overrides, without), _polynomial_errors(found)
+    return _print_polynomials_and_files(document, list(found.units), errors, [file], as_json, changed)
 
 
 @app.command()
@@ -312,6 +317,7 @@ def loads(
     """Write loads and noise sources: forces on rotors and bearings, flows in both lines, spectra, rotor surfaces."""
     options.check_folder(output)
     from screwsim.export.loads import REVOLUTION_STEPS, check_rotors, loads, protect_other_loads, write_loads
+    from screwsim.export.rotor_supports import assumed_of
     from screwsim.export.source import run_of, spans_of
     from screwsim.printing.export import loads_document, print_loads
 
@@ -324,8 +330,11 @@ def loads(
     found = loads(scene, result, spans, through)
     if found.without:
         say(f"export: {found.without}", err=True)
+    if assumed := found.supports and assumed_of(found.supports[0]):
+        say(f"export: {assumed}", err=True)
     files = write_loads(scene, result, found, output, steps or REVOLUTION_STEPS)
-    print_document_or_text(as_json, loads_document, print_loads, found, result, files)
+    printed = partial(print_loads, changed=options.changes(overrides, without))
+    print_document_or_text(as_json, loads_document, printed, found, result, files)
     options.tell_left(output, files, "forces*.csv", "*_rotor.xdmf", "*_rotor.h5")
     return OK if result.status == "ok" else NOT_ALL_OK
 
@@ -335,7 +344,7 @@ def _polynomial_errors(found: Polynomials) -> list[tuple[dict[str, float], list[
 
 
 def _print_polynomials_and_files(
-    document: dict, figures: Sequence[str], rows: list, files: list[str], as_json: bool
+    document: dict, figures: Sequence[str], rows: list, files: list[str], as_json: bool, changed: Sequence[str]
 ) -> int:
     from screwsim.export.polynomials import MISSING
     from screwsim.printing.export import print_polynomials
@@ -343,7 +352,8 @@ def _print_polynomials_and_files(
     for text in document.get(MISSING, ()):
         say(f"export: {text}", err=True)
     whole = {**document, "files": files}
-    print_document_or_text(as_json, lambda *_: whole, print_polynomials, document, figures, rows, files)
+    printed = partial(print_polynomials, changed=changed)
+    print_document_or_text(as_json, lambda *_: whole, printed, document, figures, rows, files)
     return OK
 
 

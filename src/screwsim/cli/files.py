@@ -42,29 +42,39 @@ def plot(
     measured: File = option(
         "POINTS.csv", "Measured chamber pressures to draw, too (columns angle_deg or volume_cm3, and pressure_bar)."
     ),
+    at: Texts = option(
+        "PATH=VALUE",
+        "Of a sweep: draw the cycle of this case, not the best; e.g. operation.speed='2950 rpm'; repeatable.",
+    ),
 ) -> None:
     """Draw the figures of a results file."""
     options.check_folder(Path(folder) if folder is not None else None)
     from screwsim.report import plot as drawn
+    from screwsim.results.chosen import case_in_words, read_case
 
+    asked = read_case(at or ())
     if measured is None:
-        options.print_files(drawn(results_file, folder))
+        options.print_files(drawn(results_file, folder, at=asked))
         return
     from screwsim.printing.tables import print_text
     from screwsim.report.indicated import at_angles, deviation_in_words, read_indicated, shift_in_words
-    from screwsim.report.trace import chosen_trace
+    from screwsim.report.trace import best_case, chosen_trace
     from screwsim.results import open_results
 
     read, results = read_indicated(measured), open_results(results_file)
     if results.stages:
         alone = f"screwsim scene {quote(results_file)} --stage {next(iter(results.stages))} gives its scene, to be run"
         raise UsageError(f"{results_file}: holds two stages, and --measured needs the results of one machine ({alone})")
-    trace = chosen_trace(results)
-    if trace is None:
+    results = results.showing(asked) if asked else results
+    trace, index = chosen_trace(results), best_case(results) if "angle" in results.cycle else None
+    if trace is None or index is None:
         remedy = "run stores one; a sweep does with output.keep: cycle"
         raise UsageError(f"{results_file}: holds no cycle to compare ({remedy})")
     points = at_angles(read, trace)
-    files = drawn(results_file, folder, points)
+    files = drawn(results_file, folder, points, asked)
+    case = case_in_words(results, index)
+    if case:
+        print_text(f"at {case}" if asked else f"at {case}, the best case (--at PATH=VALUE chooses another)")
     print_text(deviation_in_words(points, trace))
     shift = shift_in_words(points, trace)
     if shift:

@@ -76,7 +76,8 @@ def startup(
             found = start_up(scene, slow, longest, told)
     except Interrupted as pressed:
         found = pressed.found
-    options.print_document_or_text(as_json, lambda _, found: found.as_json(), print_startup, scene.title, found)
+    printed = partial(print_startup, changed=options.changes(overrides, without))
+    options.print_document_or_text(as_json, lambda _, found: found.as_json(), printed, scene.title, found)
     if folder is not None and found.traces:
         make_folder(folder)  # again: another command may have removed the one that it had made and that was still empty
         written = [write_traces(folder / TRACES, found)]

@@ -26,7 +26,11 @@ def new(
     capacity: Text = option(
         "POWER", "Cooling capacity, or heating capacity of a heat pump, e.g. '300 kW'; the size is sought."
     ),
-    flow: Text = option("FLOW", "Free air delivery of an air package, e.g. '7.5 m^3/min'; the size is sought."),
+    flow: Text = option(
+        "FLOW",
+        "Free air of an air package, e.g. '7.5 m^3/min'; flow of a booster at its inlet or '2000 Nm^3/h'; the size is "
+        "sought.",
+    ),
     pressure: Text = option(
         "PRESSURE", "Outlet pressure of an air package, instead of --condition, e.g. '7.5 bar(g)'."
     ),
@@ -40,7 +44,7 @@ def new(
     """Write a complete, commented scene of a realistic machine, with leaks, oil and losses scaled to its size."""
     if output is not None:
         _check_free(output)
-    from screwsim.template import KINDS, kind_of, new_scene, note_on_pressure, request_of
+    from screwsim.template import KINDS, kind_of, note_on_pressure, request_of
 
     if kind is None:
         raise UsageError(f"KIND: is missing (there are: {', '.join(KINDS)}; write e.g. screwsim new refrigeration)")
@@ -68,37 +72,18 @@ def new(
 
     if told := note_on_pressure(pressure):
         print_text(told, err=True)
-    if asked.by_sheet:
-        from screwsim.study.sizing import performance_lines, sized_machine
+    from screwsim.study.sizing import performance_lines, sized_machine, stated_machine
 
-        found = sized_machine(kind, asked)
-        text = found.text
-        for line in performance_lines(asked, found):
-            print_text(line, err=output is None)  # to stderr where the scene itself goes to the screen
-    else:
-        text = new_scene(kind, asked)
-        if asked.economizer:
-            from screwsim.study.sizing import with_steady_port
-
-            text = with_steady_port(text)
-        _print_warnings(text, err=output is None)
+    found = (sized_machine if asked.by_sheet else stated_machine)(kind, asked)
+    for line in performance_lines(asked, found):
+        print_text(line, err=output is None)  # to stderr where the scene itself goes to the screen
     if output is None:
-        say(text.rstrip("\n"))
+        say(found.text.rstrip("\n"))
         return
     from screwsim.results.atomic import write_text
 
     _check_free(output)  # again: a file that has appeared meanwhile is kept
-    say(write_text(output, text))
-
-
-def _print_warnings(text: str, err: bool) -> None:
-    """Print what is unusual in a new scene, such as the pressure ratio of its condition."""
-    from screwsim.printing.tables import print_text
-    from screwsim.scene import loads
-    from screwsim.scene.plausible import scene_warnings
-
-    for warning in scene_warnings(loads(text)):
-        print_text(f"warning: {warning}", err=err)
+    say(write_text(output, found.text))
 
 
 def _check_free(output: Path) -> None:

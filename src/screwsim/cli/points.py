@@ -116,9 +116,10 @@ def _print_point(scene: Scene, result: Result, changed: Sequence[str], short: bo
         print_short(scene.title, result, changed, scene.operation.ambient_pressure)
         return
     from screwsim.printing import print_result
-    from screwsim.scene.plausible import idle_figures, left_out_lines
+    from screwsim.scene.plausible import idle_figures, left_out_lines, moved_port_lines
 
-    print_result(scene.title, result, left_out_lines(scene), changed, idle_figures(scene))
+    told = [*moved_port_lines(scene), *left_out_lines(scene)]
+    print_result(scene.title, result, told, changed, idle_figures(scene))
     if result.uncertainty:
         from screwsim.printing.uncertain import print_uncertainty
 

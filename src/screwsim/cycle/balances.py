@@ -177,6 +177,13 @@ def injection_pressure(problem: Problem, R: Array) -> float:
     return problem.suction.pressure if problem.parts.geometry.expands else float(R[slots.R_PRESSURE])
 
 
+def incoming_oil_temperature(problem: Problem, R: Array) -> float:
+    """Return the temperature [K] of oil that comes in at once, with its flow work where it takes room (M108)."""
+    oil = problem.parts.oil
+    assert oil is not None
+    return oil.temperature + problem.oil_pressure_term(max(oil.source_pressure, injection_pressure(problem, R)))
+
+
 def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     """Return the residuals of a life, from its quadratures and the run-time cells R that it left."""
     c, part, trapped = problem.composition, problem.parts.oil, float(R[slots.R_TRAPPED])
@@ -188,9 +195,8 @@ def residuals(problem: Problem, R: Array, q: Array) -> Residuals:
     oil = oil_share = lost = 0.0
     if c.carried and part is not None:
         injected = float(R[slots.R_INJECTED])
-        T_oil = part.temperature + problem.oil_pressure_term(max(part.source_pressure, injection_pressure(problem, R)))
         net = sum(of_oil[0])
-        energy += part.heat_capacity * (sum(of_oil[1]) - T_oil * net)
+        energy += part.heat_capacity * (sum(of_oil[1]) - incoming_oil_temperature(problem, R) * net)
         lost, through = abs(net + injected), max(injected, sum(map(abs, of_oil[0])) / 2)
         oil, oil_share = lost / max(through, LEAST_OIL * trapped, LEAST), lost / max(through, trapped, LEAST)
         if c.dissolves:  # the dissolved gas, relative to the gas

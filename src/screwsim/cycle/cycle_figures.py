@@ -1,26 +1,28 @@
-"""What power losses and readings may use of a closed cycle, and powers besides gas work (docs/model.md M28–M33)."""
+"""What power losses and readings may use of a closed cycle."""
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from screwsim.build import surroundings_of
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import incoming_oil, injection_pressure, outflow_of, streams_of, wall_drag_work
 from screwsim.cycle.pitch import Pitch, pitch_of
 from screwsim.cycle.problem import Problem
-from screwsim.effects.base import DISCHARGE, SUCTION, PowerLoss, PressureLosses, Turn
+from screwsim.effects.base import DISCHARGE, SUCTION, PressureLosses, Turn
 from screwsim.fluid.moist_air import after_draining
-from screwsim.inputs.faults import checked_own_number
-from screwsim.model.parts import Parts
 from screwsim.model.port_states import SOME_OIL
 from screwsim.model.slots import PORT_STATE, PRESSURE, Q_WORK, R_SUCTION
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.numerics.frozen import fast_init
 
 ViscosityAt = Callable[[float], float | None]
+
+
+def _found(name: str) -> Any:
+    """Return a property that is the figure of that name; None where it is not known yet."""
+    return property(lambda known: known.found.get(name))
 
 
 @fast_init
@@ -33,36 +35,33 @@ class CycleFigures:
     indicated_power: float
     oil_mass_flow: float
     oil_volume_flow: float
+    leaked_oil_flow: float  # [m³/s] from the discharge line to suction, bypassing the chambers
     oil_viscosity: float | None  # of pure oil
+    supply_viscosity: float | None  # of the supplied oil, with what it holds dissolved (M199)
     injection_pressure: float
     delivery_pressure: float  # mean pressure to which a pump lifts the oil, without the loss of its line (M31, M255)
     oil_source_pressure: float
     drag_power: float  # of walls that drag oil through gaps, where oil takes room; negative where oil drives them
+    intake_pressure: float  # before the suction port
     plenum_pressure: float  # mean pressure behind the discharge port, in its plenum or the line
     oil_temperature: float | None
     oil_discharge_temperature: float | None
     oil_viscosity_at: ViscosityAt  # of pure oil
+    film_viscosity_at: ViscosityAt  # of oil with what it holds dissolved (M199)
     oil_density_at: Callable[[float], float | None]
     pitch: Callable[[], Pitch]
-    set_speed: float | None = None  # stated in the scene; omega where it is constant
-    shaft_power: float | None = None
-    isothermal_efficiency: float | None = None
-    isentropic_efficiency: float | None = None
-    cop: float | None = None
-    heating_cop: float | None = None
-    motor_power: float | None = None  # where a drive lies between motor and shaft
-    turn: Turn | None = None
-    leaked_oil_flow: float = 0.0  # [m³/s] from the discharge line to suction, bypassing the chambers
-    intake_pressure: float = 0.0  # before the suction port
-    package: PressureLosses | None = None  # pressures that a package loses around the machine
-    enthalpy: Callable[[float, float], float] | None = None  # [J/kg] of the gas at a pressure and a temperature
-    drained: Callable[[float, float], tuple[float, Any]] | None = None  # at p, T: share that is not liquid, and its gas
-    suction_density: float = 0.0  # of the gas in the suction line
-    theoretical_torque: Callable[[], float] | None = None  # [N m] of the whole displacement without loss (M460)
-    fluid: str = ""
-    film_viscosity_at: ViscosityAt = lambda T: None  # of oil with what it holds dissolved (M199)
-    supply_viscosity: float | None = None  # the same of the oil that is supplied
-    found: Mapping[str, Any] = field(default_factory=dict)  # the figures known so far
+    theoretical_torque: Callable[[], float]  # [N m] of the whole displacement without loss (M460)
+    set_speed: float  # stated in the scene; omega where it is constant
+    package: PressureLosses | None  # pressures that a package loses around the machine
+    fluid: str
+    suction_density: float  # of the gas in the suction line
+    enthalpy: Callable[[float, float], float]  # [J/kg] of the gas at a pressure and a temperature
+    drained: Callable[[float, float], tuple[float, Any]]  # at p, T: share that is not liquid, and its gas
+    turn: Turn | None
+    found: Mapping[str, Any] = field(default_factory=dict)  # the figures known so far, these among them:
+    shaft_power, motor_power = _found("shaft_power"), _found("motor_power")  # of a drive between motor and shaft
+    isothermal_efficiency, isentropic_efficiency = _found("isothermal_efficiency"), _found("isentropic_efficiency")
+    cop, heating_cop = _found("cop"), _found("heating_cop")
 
 
 def lazy_pitch(problem: Problem, life: Trajectory, q: Array) -> Callable[[], Pitch]:
@@ -86,50 +85,61 @@ def cycle_figures(
     problem: Problem, life: Trajectory, q: Array, pitch: Callable[[], Pitch] | None = None, turn: Turn | None = None
 ) -> CycleFigures:
     """Return the quantities of a life with quadratures q; `turn` may be None where no reading needs it."""
-    parts, oil = problem.parts, problem.scene.oil
-    T_oil = parts.oil.temperature if parts.oil is not None else None
-    p_injection = injection_pressure(problem, life.R)
-    p_source = parts.oil.source_pressure if parts.oil is not None else problem.lines.p_d
-    p_delivery = max(p_injection, p_source)
-    if problem.composition.ported:
-        mass, pressure, lift = life.port_oil()
-        if mass > 0.0:
-            p_injection, p_delivery = pressure / mass, p_source + lift / mass
-    rate = problem.rate
-    oil_flow = incoming_oil(problem, life.R, q) * rate if parts.oil is not None else 0.0
-    leaked = suction_line.leak(problem, life.R).oil * rate / parts.oil.density if parts.oil is not None else 0.0
+    parts, oil, rate = problem.parts, problem.parts.oil, problem.rate
+    T_oil = oil.temperature if oil is not None else None
+    oil_flow = incoming_oil(problem, life.R, q) * rate if oil is not None else 0.0
+    leaked = suction_line.leak(problem, life.R).oil * rate  # (M274)
+    pressures, (pure, film, supply) = _oil_pressures(problem, life), _viscosities(problem)
     taken_in = problem.inlet.density * parts.geometry.swept_volume / parts.geometry.pitch  # [kg/rad], at best
-    pure, film, supply = _viscosities(problem)
     return CycleFigures(
         omega=parts.omega,
         tip_speed=parts.geometry.settings.surface_speed(parts.omega),
         indicated_power=float(q[Q_WORK]) * rate,
         oil_mass_flow=oil_flow,
-        oil_volume_flow=oil_flow / parts.oil.density if parts.oil is not None else 0.0,
+        oil_volume_flow=oil_flow / oil.density if oil is not None else 0.0,
+        leaked_oil_flow=leaked / oil.density if oil is not None else 0.0,
         oil_viscosity=pure(T_oil) if T_oil is not None else None,
-        injection_pressure=p_injection,
-        delivery_pressure=p_delivery,
-        oil_source_pressure=p_source,
+        supply_viscosity=supply(T_oil) if T_oil is not None else None,
+        injection_pressure=pressures.injection,
+        delivery_pressure=pressures.delivery,
+        oil_source_pressure=pressures.source,
         drag_power=0.0 - wall_drag_work(problem.composition, q) * rate,
+        intake_pressure=problem.suction.pressure,
         plenum_pressure=chamber_end_pressure(problem, life, DISCHARGE) or problem.lines.p_d,
         oil_temperature=T_oil,
         oil_discharge_temperature=_oil_discharge_temperature(problem, life, q) if oil is not None else None,
         oil_viscosity_at=pure,
-        oil_density_at=lambda T: oil.at(T).density if oil is not None else None,
+        film_viscosity_at=film,
+        oil_density_at=lambda T: problem.scene.oil.at(T).density if problem.scene.oil is not None else None,
         pitch=pitch or lazy_pitch(problem, life, q),
+        theoretical_torque=lambda: taken_in * (problem.h_isentropic - problem.inlet.enthalpy),
         set_speed=parts.omega if parts.set_speed is None else parts.set_speed,
-        turn=turn,
-        leaked_oil_flow=leaked,  # (M274)
-        intake_pressure=problem.suction.pressure,
         package=problem.scene.losses,
+        fluid=problem.scene.gas.name,
+        suction_density=problem.inlet.density,
         enthalpy=parts.gas.enthalpy,
         drained=lambda p, T: after_draining(parts.gas, p, T),
-        suction_density=problem.inlet.density,
-        theoretical_torque=lambda: taken_in * (problem.h_isentropic - problem.inlet.enthalpy),  # (M460)
-        fluid=problem.scene.gas.name,
-        film_viscosity_at=film,
-        supply_viscosity=supply(T_oil) if T_oil is not None else None,
+        turn=turn,
     )
+
+
+class OilPressures(NamedTuple):
+    """Mean pressures [Pa] where oil comes in, to which a pump lifts it (M31, M255), and of its source."""
+
+    injection: float
+    delivery: float
+    source: float
+
+
+def _oil_pressures(problem: Problem, life: Trajectory) -> OilPressures:
+    """Return the pressures of the oil's supply."""
+    oil, injection = problem.parts.oil, injection_pressure(problem, life.R)
+    source = oil.source_pressure if oil is not None else problem.lines.p_d
+    if problem.composition.ported:
+        mass, pressure, lift = life.port_oil()
+        if mass > 0.0:
+            return OilPressures(pressure / mass, source + lift / mass, source)
+    return OilPressures(injection, max(injection, source), source)
 
 
 def _viscosities(problem: Problem) -> tuple[ViscosityAt, ViscosityAt, ViscosityAt]:
@@ -176,41 +186,3 @@ def _oil_discharge_temperature(problem: Problem, life: Trajectory, q: Array) -> 
     if mean is None or not mean.T_oil > 0.0 or mean.oil_ratio < SOME_OIL:
         return None
     return mean.T_oil - problem.oil_pressure_term(problem.lines.p_d)
-
-
-def oil_lift(parts: Parts, known: CycleFigures) -> float:
-    """Return the power [W] that lifts the oil to discharge (M28).
-
-    Where oil takes room ∮ p dV contains it, except for the work of walls that drag oil through gaps (M257).
-    """
-    if parts.oil_room:
-        return known.drag_power
-    lifted = known.oil_volume_flow * (known.plenum_pressure - known.injection_pressure)
-    return lifted + known.leaked_oil_flow * (known.plenum_pressure - known.intake_pressure)
-
-
-def power_losses(parts: Parts, known: CycleFigures) -> dict[str, float]:
-    """Return the power losses [W], summed by name; raise Impossible where a user's effect gives no number or a gain."""
-    found = {}
-    for name, part in parts.all(PowerLoss):
-        power = part.power(known)
-        if "." in name and math.isfinite(known.indicated_power):
-            checked_own_number(name, f"its power {part.figure} [W]", power, 0.0)
-        found[part.figure] = found.get(part.figure, 0.0) + float(power)
-    return found
-
-
-def kept_in_oil(parts: Parts, known: CycleFigures) -> float:
-    """Return the part of the losses' powers [W] that raises the oil's pressure (M58)."""
-    return sum(float(part.kept(known)) for _, part in parts.all(PowerLoss) if part.kept is not None)
-
-
-def brought_by_oil(problem: Problem, known: CycleFigures) -> float:
-    """Return the flow work [W] that the oil brings to an expander, less what the shaft's own pump gave it (M491)."""
-    return known.oil_volume_flow * (problem.lines.p_s - problem.lines.p_d) - kept_in_oil(problem.parts, known)
-
-
-def shaft_power(parts: Parts, known: CycleFigures) -> float:
-    """Return the shaft power [W] (M29)."""
-    lift = oil_lift(parts, known) if parts.oil is not None else 0.0
-    return known.indicated_power + lift + sum(power_losses(parts, known).values())

@@ -13,7 +13,8 @@ import numpy as np
 
 from screwsim.cycle import suction_line
 from screwsim.cycle.balances import net_into, outflow_dissolved_gas, outflow_of, streams_of, walls_of
-from screwsim.cycle.cycle_figures import cycle_figures, shaft_power
+from screwsim.cycle.cycle_figures import cycle_figures
+from screwsim.cycle.powers import powers_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import LineFlow, Made, OilSolution, SuctionHeat, Turn
 from screwsim.effects.parts.gap import ClearanceParameters
@@ -114,7 +115,8 @@ def _suction_heat(problem: Problem, life: Trajectory, q: Array, turn: Turn | Non
     parts = problem.parts
     if not parts.all(SuctionHeat) or not np.isfinite(q[Q_WORK]):
         return 0.0
-    return suction_line.suction_heat(problem, shaft_power(parts, cycle_figures(problem, life, q, turn=turn)))
+    powers = powers_of(parts, cycle_figures(problem, life, q, turn=turn))
+    return suction_line.suction_heat(problem, powers.shaft)
 
 
 def turn_of(problem: Problem, life: Trajectory, q: Array, into: LineInflow | None = None) -> Turn:

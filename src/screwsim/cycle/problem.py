@@ -11,17 +11,17 @@ import numpy as np
 
 from screwsim.build import PartsCache, completed, parts_of
 from screwsim.cycle.continuation import Course
+from screwsim.cycle.intake import IntakeState, intake_of
 from screwsim.cycle.solution import ClosingCriteria, closing_criteria
 from screwsim.cycle.surroundings import KnownSurroundings
-from screwsim.effects.base import SUCTION, FlowPath, Made, SuctionChange
+from screwsim.effects.base import SUCTION, FlowPath, Made
 from screwsim.figures import called_for
-from screwsim.fluid.gas import Gas
 from screwsim.machine.protocol import MachineGeometry
 from screwsim.model.composition import Composition
 from screwsim.model.parts import Effects, Parts
 from screwsim.model.run import Machinery
 from screwsim.model.series import Composer
-from screwsim.model.slots import DENSITY, ENTHALPY, PRESSURE
+from screwsim.model.slots import DENSITY, ENTHALPY
 from screwsim.model.turn_scheduler import reach_station
 from screwsim.numerics.feedback_unknowns import FeedbackUnknown, FeedbackUnknowns
 from screwsim.numerics.frozen import fast_init
@@ -30,66 +30,6 @@ from screwsim.numerics.integrators import Rosenbrock, find_integrator
 from screwsim.outputs import Figure
 from screwsim.scene.lines import Lines, lines, refrigerating_effect, suction_enthalpy
 from screwsim.scene.types import Scene
-
-PortState = tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class SuctionState:
-    """The gas at the suction port: the line's, mixed with returned gas and throttled (docs/model.md M160–M163).
-
-    It has the gas, the suction line's port state, the pressure ratio across throttles, and the share of returned gas.
-
-    `kept` is the pressure ratio due to a package's losses, which count as one of the throttles.
-    """
-
-    gas: Gas
-    line: PortState
-    pressure_ratio: float = 1.0
-    returned: float = 0.0
-    kept: float = 1.0
-
-    def ratio_of(self, part: SuctionChange) -> float:
-        """Return the pressure ratio across one of the throttles."""
-        return self.kept if part.package else part.pressure_ratio
-
-    @property
-    def changed(self) -> bool:
-        """Whether the state at the suction port differs from the line's."""
-        return self.pressure_ratio < 1.0 or self.returned > 0.0
-
-    @property
-    def pressure(self) -> float:
-        """The pressure [Pa] before the machine's suction port."""
-        return self.pressure_ratio * self.line[PRESSURE]
-
-    def mixed(self, h_d: float) -> PortState:
-        """Return the port state at the line's pressure with the returned gas of enthalpy h_d [J/kg] mixed in (M161)."""
-        if self.returned == 0.0:
-            return self.line
-        h = (1.0 - self.returned) * self.line[ENTHALPY] + self.returned * h_d
-        return self.gas.port_state_of_enthalpy(self.line[PRESSURE], h)
-
-    def port_state(self, h_d: float) -> PortState:
-        """Return the port state before the machine's suction port (M160, M161)."""
-        mixed = self.mixed(h_d)
-        if self.pressure_ratio == 1.0:
-            return mixed
-        return self.gas.port_state_of_enthalpy(self.pressure, mixed[ENTHALPY])
-
-    def temperature(self, port_state: PortState, T_s: float) -> float:
-        """Return the temperature [K] of a port state; T_s is the line's own."""
-        return T_s if port_state is self.line else self.gas.temperature(port_state[PRESSURE], port_state[ENTHALPY])
-
-
-def suction_of(parts: Parts, line: PortState, lost: float) -> SuctionState:
-    """Return the suction state with the effects of a scene, after a package's loss of pressure `lost` [Pa] (M341)."""
-    state = SuctionState(parts.gas, line, kept=1.0 - lost / line[PRESSURE])
-    ratio, returned = 1.0, 0.0
-    for _, part in parts.all(SuctionChange):
-        ratio, returned = ratio * state.ratio_of(part), max(returned, part.returned)
-    return replace(state, pressure_ratio=ratio, returned=returned) if ratio != 1.0 or returned != 0.0 else state
-
 
 Array = np.ndarray
 EQUAL_WITHIN = 1e-6  # rad, angles closer than this count as equal
@@ -118,7 +58,7 @@ class Problem:
     composition: Composition
     lines: Lines
     inlet: Inlet
-    suction: SuctionState
+    suction: IntakeState
     entries: FeedbackUnknowns
     parameters: Array
     criteria: ClosingCriteria
@@ -174,7 +114,7 @@ class Problem:
 
     def gas_share(self, rho: Any, ratio: Any) -> Any:
         """Return the gas's share of a volume at ρ [kg/m³] and oil per gas, or arrays; 1 without room for oil (M106)."""
-        return 1.0 / (1.0 + ratio * rho / self.parts.oil.density) if self.parts.oil and self.parts.oil_room else 1.0
+        return 1.0 / self.parts.volume_over_gas(rho, ratio)
 
     def gas_mass(self, rho: Any, ratio: Any, volume: Any) -> Any:
         """Return the gas [kg] at ρ [kg/m³] in a volume [m³] that it shares with oil (M106)."""
@@ -256,7 +196,7 @@ def problem_of(scene: Scene, series: Series | None = None, set_speed: float | No
         else parts.gas.port_state_of_enthalpy(at.p_s, suction_enthalpy(scene))
     )
     lost = 0.0 if scene.losses is None else scene.losses.before
-    inlet, suction = Inlet(line[DENSITY], line[ENTHALPY]), suction_of(parts, line, lost)
+    inlet, suction = Inlet(line[DENSITY], line[ENTHALPY]), intake_of(parts, line, lost)
     begins = suction.port_state(_h_isentropic(parts, at, inlet)) if suction.changed else line
     arriving = [parts.arriving_oil] if parts.oil is not None and parts.geometry.expands else []
     parameters = np.concatenate([composition.P, [*begins, at.p_d, *parts.geometry.outcomes, *arriving]])

@@ -6,7 +6,7 @@ alone, so that every second event is moved at once.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,8 +15,8 @@ from screwsim.derivatives import line_flows
 from screwsim.derivatives.lane_rates import RateRequest, rates_of
 from screwsim.derivatives.line_flows import LineMeans
 from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.radau import INTEGRALS, NODES
 from screwsim.derivatives.rate_numbers import RateNumbers
-from screwsim.derivatives.slices import INTEGRALS, NODES
 from screwsim.derivatives.sweeps import compiled
 from screwsim.effects.base import LINES
 from screwsim.model.slots import P_GAP_WIDTH, P_OMEGA, P_PITCH, PORT_STATE, PRESSURE, R_RATIO
@@ -24,7 +24,6 @@ from screwsim.model.slots import P_GAP_WIDTH, P_OMEGA, P_PITCH, PORT_STATE, PRES
 Array = np.ndarray
 OF_WIDTH = 1e-5  # step of differences over the regularisation: a tenth of a node's distance from a turning ...
 LEAST, MOST = 1e-10, 1e-9  # ... within these bounds
-SMALL = 1e-3  # least size of a state or a cell, for relative steps
 
 
 def step_along(change: ArgumentChange, at: RateNumbers, step: float) -> float:
@@ -78,36 +77,52 @@ def along(
     (slices, NODES, N, …), from column `first` on.
     """
     sums = np.zeros((pitch.machinery.nq, len(changes)))
-    some = [i for i, each in enumerate(changes) if not each.nothing]
-    if not some:
+    sides = [(i, side) for i, each in enumerate(changes) if not each.nothing for side in _sides(pitch, each, at)]
+    if not sides:
         return sums, line_flows.none(pitch, len(changes))
-    flows = np.zeros((pitch.count, NODES, len(LINES), len(changes)))
-    of_pressures, asked, of_asked = step_of(pitch), [RateRequest(at, None)], []
-    for i in some:
-        numbers, edges, side = changes[i]
-        both, step = changes[i].both, step_along(changes[i], at, of_pressures)
-        signs = (side,) if isinstance(side, float) and not both else (1.0, -1.0)
-        of_asked += [(i, sign / step * (0.5 if both else np.equal(side, sign))) for sign in signs]
-        for sign in signs:
-            there = None if edges is None else pitch.slices.edges + sign * step * edges
-            asked.append(RateRequest(at.plus(sign * step, numbers), there))
+    flows, widths = np.zeros((pitch.count, NODES, len(LINES), len(changes))), pitch.mesh.widths
     own: list[Array] = []
-    for which, *found in rates_of(pitch, Y, asked):
-        found = [rates.reshape(-1, *rates.shape[2:]) for rates in found]
-        own = own or [rates[..., 0].copy() for rates in found]
-        lane, widths = int(not which.start), pitch.slices.widths
-        of_lanes = of_asked[which.start + lane - 1 : which.stop - 1]
-        edges = [each.edges for each in asked[which.start + lane : which.stop]]
-        there = [per * (widths if e is None else np.diff(e)) for (_, per), e in zip(of_lanes, edges, strict=True)]
-        here = [per * widths for _, per in of_lanes]  # cancels where there are both sides, and with it most rounding
-        there, here = (np.ascontiguousarray(np.transpose(each)) for each in (there, here))
-        how = lane, there, here, np.array([i for i, _ in of_lanes])
-        targets = *how[:-1], first + how[-1]
-        compiled().sweeps__add_stages(found[0], own[0], *targets, right.reshape(-1, *right.shape[2:]))
-        compiled().sweeps__add_sums(found[1], own[1], *how, sums)
+    requests = [RateRequest(at, None), *(side.request for _, side in sides)]  # the unmoved rates come first
+    for which, *found in rates_of(pitch.rates, Y, requests):
+        f, g = (each.reshape(-1, *each.shape[2:]) for each in found)
+        own = own or [f[..., 0].copy(), g[..., 0].copy()]
+        lane = int(not which.start)  # the first one of a side
+        of_lanes = sides[which.start + lane - 1 : which.stop - 1]
+        there = _by_lane(side.weight * side.widths(widths) for _, side in of_lanes)
+        here = _by_lane(side.weight * widths for _, side in of_lanes)  # cancels of two sides, and most rounding with it
+        columns = np.array([i for i, _ in of_lanes])
+        right_rows = right.reshape(-1, *right.shape[2:])
+        compiled().sweeps__add_stages(f, own[0], lane, there, here, first + columns, right_rows)
+        compiled().sweeps__add_sums(g, own[1], lane, there, here, columns, sums)
         if line_flows.pulsates(pitch):
-            _add_flows(pitch, found[1], own[1], *how, flows)
+            _add_flows(pitch, g, own[1], lane, there, here, columns, flows)
     return sums, _means_by(pitch, own[1], flows, changes)
+
+
+class _Side(NamedTuple):
+    """One side of a difference: its weight, of each slice or of all, and the rates that are asked for."""
+
+    weight: float | Array
+    request: RateRequest
+
+    def widths(self, own: Array) -> Array:
+        """Return the widths of the slices on this side [rad]; `own` are those of the mesh."""
+        return own if self.request.edges is None else np.diff(self.request.edges)
+
+
+def _sides(pitch: CollocatedPitch, change: ArgumentChange, at: RateNumbers) -> Iterator[_Side]:
+    """Yield the sides of the difference along a change: both, or the one on which nodes keep their segments."""
+    numbers, edges, side = change
+    step = step_along(change, at, step_of(pitch))
+    for sign in (side,) if isinstance(side, float) and not change.both else (1.0, -1.0):
+        weight = sign / step * (0.5 if change.both else np.equal(side, sign))
+        there = None if edges is None else pitch.mesh.edges + sign * step * edges
+        yield _Side(weight, RateRequest(at.plus(sign * step, numbers), there))
+
+
+def _by_lane(weights: Iterable[Array]) -> Array:
+    """Return arrays by slice as one (slices, lanes)."""
+    return np.ascontiguousarray(np.transpose(list(weights)))
 
 
 def _add_flows(
@@ -136,8 +151,8 @@ def _means_by(pitch: CollocatedPitch, g: Array, flows: Array, changes: Sequence[
     if not line_flows.pulsates(pitch):
         return line_flows.none(pitch, len(changes))
     own = line_flows.flows_of(pitch, g, 1).reshape(flows.shape[:3])
-    means, P = LineMeans.of(pitch.slices.edges), pitch.machinery.composition.P
-    found, here = means.through(flows), means.through(pitch.slices.widths[:, None, None] * own)
+    means, P = LineMeans.of(pitch.mesh.edges), pitch.machinery.composition.P
+    found, here = means.through(flows), means.through(pitch.mesh.widths[:, None, None] * own)
     for j, change in enumerate(changes):
         numbers = change.numbers.P
         wider, faster = (float(numbers[at] / P[at]) for at in (P_PITCH, P_OMEGA))
@@ -153,12 +168,12 @@ def along_events(pitch: CollocatedPitch, Y: Array, right: Array) -> Array:
     Changes of the stage equations are added to `right` (slices, NODES, N, events). They are those of every second event
     at once, each in the slices that it reaches, up to its neighbours.
     """
-    at, edges, moves, step = pitch.numbers, pitch.slices.edges, pitch.events_move, step_of(pitch)
+    at, edges, moves, step = pitch.numbers, pitch.mesh.edges, pitch.events.moves(pitch.mesh.edges), step_of(pitch)
     sums = np.zeros((pitch.machinery.nq, len(moves)))
     if not len(moves):
         return sums
     sides = [edges + step * moves[first::2].sum(axis=0) for first in (0, 1)]
-    (_, *rates), *_ = rates_of(pitch, Y, [RateRequest(at, None), *(RateRequest(at, each) for each in sides)])
+    (_, *rates), *_ = rates_of(pitch.rates, Y, [RateRequest(at, None), *(RateRequest(at, each) for each in sides)])
     for event, move in enumerate(moves):
         reached = (move[:-1] != 0.0) | (move[1:] != 0.0)
         here, there = (np.diff(each)[reached, None, None] for each in (edges, sides[event % 2]))

@@ -14,7 +14,7 @@ import numpy as np
 from screwsim.build import Temperatures, open_temperatures, with_temperatures
 from screwsim.build.open_values import coordinate_ranges, ends, with_coordinates
 from screwsim.cycle.problem import Problem, Series, problem_of
-from screwsim.derivatives.collocation import NotClosed
+from screwsim.derivatives.collocated_cycle import NotClosed
 from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.machine.drive.response import NoMotion, Response

@@ -9,14 +9,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from screwsim.cycle.feedback import LineInflow
-from screwsim.derivatives.blocks import Blocks
+from screwsim.derivatives import residual
+from screwsim.derivatives.argument_changes import step_of
+from screwsim.derivatives.block_bidiagonal import BlockBidiagonal
 from screwsim.derivatives.lane_rates import rates
-from screwsim.derivatives.line_flows import line_inflow
-from screwsim.derivatives.linear import injection
 from screwsim.derivatives.pitch import CollocatedPitch
-from screwsim.derivatives.shifted_life import ShiftedLife
-from screwsim.derivatives.slices import INTEGRALS
+from screwsim.derivatives.residual import largest_by_slice
+from screwsim.derivatives.unknowns import coordinates_of, put_unknowns, unknowns_of
 
 Array = np.ndarray
 MOST_ITERATIONS = 12  # iterations
@@ -26,7 +25,6 @@ CLOSINGS = 8  # iterations that may close a cycle, while each residual is at mos
 AGAIN = 4.0  # ... this many times the least before: a residual may return through other chambers before it decays
 LONGEST = 0.3  # relative change of a state in one iteration
 SWING_SHARE = 0.4  # ratio to the change before, above which a change of opposite sign is halved
-SMALL = 1e-3  # least size of a state, for relative residuals
 ALIKE = 0.03  # of its width: how much longer or shorter a slice may be than one whose factors it takes over
 UNCHANGED_WITHIN = 1e-3  # relative change of a state, up to which its slice's derivatives are kept for the next round
 
@@ -40,16 +38,16 @@ class ChamberFactors:
     iteration then converges too slowly, the slices to blame are factored anew.
     """
 
-    blocks: Blocks | None = None
+    blocks: BlockBidiagonal | None = None
     edges: Array = field(default_factory=lambda: np.zeros(1))
     states: Array = field(default_factory=lambda: np.zeros(0))
     good: bool = True  # whether iterations with them converged fast enough
 
-    def of(self, pitch: CollocatedPitch) -> Blocks | None:
+    def of(self, pitch: CollocatedPitch) -> BlockBidiagonal | None:
         """Return the kept factors, if they may serve a pitch."""
         return self.blocks if pitch.count == len(self.edges) - 1 else None
 
-    def begun(self, pitch: CollocatedPitch, Y: Array, alike: float = 0.0) -> Blocks:
+    def begun(self, pitch: CollocatedPitch, Y: Array, alike: float = 0.0) -> BlockBidiagonal:
         """Return the factors for a pitch with other slices; only slices that are new or have moved are factored.
 
         Those of slices whose widths differ by up to a share `alike` are taken over.
@@ -57,12 +55,12 @@ class ChamberFactors:
         if self.blocks is None or not self.good:
             return self.anew(pitch, Y)
         states = self.states[self._before(pitch)]
-        return self.renewed(pitch, Y, _largest(Y - states, Y) > UNCHANGED_WITHIN, alike)
+        return self.renewed(pitch, Y, largest_by_slice(Y - states, Y) > UNCHANGED_WITHIN, alike)
 
-    def renewed(self, pitch: CollocatedPitch, Y: Array, wrong: Array, alike: float) -> Blocks:
+    def renewed(self, pitch: CollocatedPitch, Y: Array, wrong: Array, alike: float) -> BlockBidiagonal:
         """Return the factors for a pitch where those of `wrong` slices, and of ones that are not `alike`, are new."""
         assert self.blocks is not None
-        edges, before, at = pitch.slices.edges, self.edges, self._before(pitch)
+        edges, before, at = pitch.mesh.edges, self.edges, self._before(pitch)
         widths = np.diff(before)[at]
         new = wrong | (np.abs(np.diff(edges) - widths) > alike * widths)
         if not new.any():
@@ -73,11 +71,11 @@ class ChamberFactors:
 
     def _before(self, pitch: CollocatedPitch) -> Array:
         """Return the index of the kept slice that holds the middle of each slice of a pitch."""
-        return np.clip(np.searchsorted(self.edges, pitch.slices.middles) - 1, 0, len(self.edges) - 2)
+        return np.clip(np.searchsorted(self.edges, pitch.mesh.middles) - 1, 0, len(self.edges) - 2)
 
-    def anew(self, pitch: CollocatedPitch, Y: Array) -> Blocks:
+    def anew(self, pitch: CollocatedPitch, Y: Array) -> BlockBidiagonal:
         """Return, and keep, new factors for a pitch at given states."""
-        self.blocks, self.edges = _blocks(pitch, Y, np.arange(pitch.count)), pitch.slices.edges
+        self.blocks, self.edges = _blocks(pitch, Y, np.arange(pitch.count)), pitch.mesh.edges
         self.states = Y
         return self.blocks
 
@@ -85,10 +83,10 @@ class ChamberFactors:
 def approach(pitch: CollocatedPitch, bound: float, kept: ChamberFactors) -> tuple[Array, Array] | None:
     """Return states at start and nodes with less than a relative residual, installed; None if none are found."""
     Y, before, blocks = pitch.read(), np.inf, kept.of(pitch)
-    start, last, nothing = pitch.begin(Y), np.zeros_like(Y), np.zeros((pitch.N, pitch.N))
+    start, last, nothing = pitch.period.start(Y), np.zeros_like(Y), np.zeros((pitch.N, pitch.N))
     for _ in range(MOST_ITERATIONS):
-        open_ = residual(pitch, Y, start, rates(pitch, Y)[0])
-        size = size_of(open_, Y)
+        open_ = residual.stage_residual(pitch, Y, start, rates(pitch.rates, Y)[0])
+        size = residual.size_of(open_, Y)
         if size < bound:
             kept.good = size < KEEP_SLOPES_BELOW * before
             pitch.install(start, Y)
@@ -98,7 +96,7 @@ def approach(pitch: CollocatedPitch, bound: float, kept: ChamberFactors) -> tupl
         if blocks is None:
             blocks = kept.begun(pitch, Y, ALIKE)
         elif size > KEEP_SLOPES_BELOW * before:
-            blocks = kept.renewed(pitch, Y, _largest(open_, Y) > RENEWED_ABOVE * bound, ALIKE)
+            blocks = kept.renewed(pitch, Y, largest_by_slice(open_, Y) > RENEWED_ABOVE * bound, ALIKE)
         before = size
         last = damped(blocks.follow_one_by_one(-open_, nothing), last)
         Y = limited_step(pitch, Y, last)
@@ -114,9 +112,10 @@ def closed(pitch: CollocatedPitch, Y: Array, bound: float, kept: ChamberFactors)
     blocks, inject = kept.of(pitch), None
     lent = blocks is not None
     for _ in range(CLOSINGS):
-        off, residual_, size, (start, *_) = residual_of(pitch, Y)
+        open_ = residual.residual_of(pitch, Y)
+        size = open_.size(Y)
         if size < bound:
-            pitch.install(start, Y)
+            pitch.install(open_.start, Y)
             return Y
         worse = not size < AGAIN * least
         if worse and not (lent and np.isfinite(size)):
@@ -125,49 +124,20 @@ def closed(pitch: CollocatedPitch, Y: Array, bound: float, kept: ChamberFactors)
             blocks, lent = kept.begun(pitch, Y), True
         elif worse:
             blocks, lent = kept.anew(pitch, Y), False
-        inject = injection(pitch, Y)[0] if inject is None else inject
+        inject = pitch.period.jacobian(Y, step_of(pitch))[0] if inject is None else inject
         least = min(size, least)
-        Y = limited_step(pitch, Y, blocks.follow_one_by_one(-residual_, inject))
-        unknowns_in = pitch.unknowns_in
-        pitch.meet(pitch.problem.entries.coordinates(unknowns_in) + off, unknowns_in)
+        Y = limited_step(pitch, Y, blocks.follow_one_by_one(-open_.stages, inject))
+        now = unknowns_of(pitch)
+        put_unknowns(pitch, coordinates_of(pitch, now) + open_.unknowns, now)
     pitch.put(at)
-    pitch.install(pitch.begin(first), first)
+    pitch.install(pitch.period.start(first), first)
     return None
 
 
-def residual_of(pitch: CollocatedPitch, Y: Array) -> tuple[Array, Array, float, tuple[Array, Array, LineInflow | None]]:
-    """Return the residuals of states at the nodes, with states at the start, quadratures and line flows.
-
-    These are the difference of the unknowns from their image, the residual of the stage equations, the largest of both.
-    """
-    start, (f, g) = pitch.begin(Y), rates(pitch, Y)
-    sums = pitch.sums(g)
-    life = ShiftedLife.of(pitch, lambda: pitch.install(start, Y))
-    into = line_inflow(pitch, g)
-    off = pitch.image(sums, life, into) - pitch.problem.entries.coordinates(pitch.unknowns_in)
-    open_ = residual(pitch, Y, start, f)
-    return off, open_, max(size_of(open_, Y), float(np.max(np.abs(off), initial=0.0))), (start, sums, into)
-
-
-def _blocks(pitch: CollocatedPitch, Y: Array, slices: Array) -> Blocks:
+def _blocks(pitch: CollocatedPitch, Y: Array, slices: Array) -> BlockBidiagonal:
     """Return the factored stage equations of each chamber alone, for some slices."""
     chambers, n = pitch.N // pitch.n, pitch.n
-    return Blocks(pitch.by_own_states(Y, slices), np.tile(pitch.slices.widths[slices], chambers), n, 0)
-
-
-def residual(pitch: CollocatedPitch, Y: Array, start: Array, f: Array) -> Array:
-    """Return the residual of the stage equations (slices, NODES, N)."""
-    return Y - pitch.begins(start, Y)[:, None] - pitch.slices.widths[:, None, None] * (INTEGRALS @ f)
-
-
-def size_of(open_: Array, Y: Array) -> float:
-    """Return a relative residual."""
-    return float(np.max(np.abs(open_) / np.maximum(np.abs(Y), SMALL)))
-
-
-def _largest(change: Array, Y: Array) -> Array:
-    """Return the largest relative change, or residual, of the states in each slice."""
-    return (np.abs(change) / np.maximum(np.abs(Y), SMALL)).max(axis=(1, 2))
+    return BlockBidiagonal(pitch.rates.by_own_states(Y, slices), np.tile(pitch.mesh.widths[slices], chambers), n, 0)
 
 
 def damped(change: Array, last: Array) -> Array:

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from screwsim.codegen.modules import of_kernels
-from screwsim.derivatives.slices import INTEGRALS
+from screwsim.derivatives.radau import INTEGRALS
 from screwsim.derivatives.stages import pivoted
 from screwsim.numerics.kernel import kernel
 

@@ -5,19 +5,22 @@ its gas crosses a phase border.
 """
 
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from functools import cache
+from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.derivatives.mesh import CORNER_LAYER, Crossing, share_before
 from screwsim.derivatives.phases import border_crossings
 from screwsim.derivatives.pitch import CollocatedPitch
-from screwsim.derivatives.slices import CORNER_LAYER, SHARES, Crossing, share_before
+from screwsim.derivatives.radau import SHARES
 from screwsim.effects.base import FlowPath
 from screwsim.model.slots import FREE, P_GAP_WIDTH, P_PITCH, P_PORT_WIDTH, PORT_STATE, PRESSURE
 from screwsim.model.trajectory import Trajectory
 from screwsim.numerics.roots import bracketed, brentq
 
 Array = np.ndarray
+SignChanges = tuple[Array, ...]  # rows and columns: chambers, and angles after which pressure differences change sign
 PLACE_TOLERANCE = 1e-10  # tolerance on a crossing, over the distance of its two angles and over the angle
 OF_LAYER = 1e-6  # of its regularisation: pressure difference at which a crossing is placed well enough
 SLOPE = 1e-3  # of that distance, for the slope of the pressure there
@@ -51,11 +54,11 @@ def crossings(pitch: CollocatedPitch) -> list[Crossing]:
     Crossings of phase borders are included. A gap carries little, but near its turning its flow is as steep in the
     pressures as that of a port.
     """
-    slices = pitch.slices
-    angles = (slices.edges[:-1, None] + slices.widths[:, None] * SAMPLED_SHARES).ravel()
-    wide = np.repeat(slices.widths, len(SAMPLED_SHARES))
+    mesh = pitch.mesh
+    angles = (mesh.edges[:-1, None] + mesh.widths[:, None] * SAMPLED_SHARES).ravel()
+    wide = np.repeat(mesh.widths, len(SAMPLED_SHARES))
     if pitch.alone:  # at the dead centre, where a turn begins, the gas that is left begins to expand
-        angles, wide = np.append(slices.edges[0], angles), np.append(wide[0], wide)
+        angles, wide = np.append(mesh.edges[0], angles), np.append(wide[0], wide)
     c, life = pitch.machinery.composition, pitch.machinery.trajectory
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
     states = life.states_at((starts[:, None] + angles).ravel()).reshape(c.chambers, len(angles), -1)
@@ -90,35 +93,45 @@ def _reversals(pitch: CollocatedPitch, angles: Array, wide: Array, p: Array) -> 
     `p` [Pa] are the pressures of all chambers there. Areas are evaluated only where pressures pass each other,
     which is the same for all gaps between the same chambers, and for all ports to the same line.
     """
-    c, parts = pitch.machinery.composition, pitch.problem.parts
-    life, gaps, ports = pitch.machinery.trajectory, 0, 0
+    c, parts, life = pitch.machinery.composition, pitch.problem.parts, pitch.machinery.trajectory
     starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
-    passing: dict[int, tuple[Any, ...]] = {}  # for gaps, by the offset of the chambers in pitches
-    reaching: dict[int, tuple[Any, ...]] = {}  # for ports, by the number of their line
-    for path in (path for _, path in parts.all(FlowPath)):
-        of_port = not path.between
-        index = ports if of_port else len(c.ports) + gaps
-        ports, gaps = ports + of_port, gaps + (not of_port)
-        number = parts.number(path.to) if of_port else 0
-        passes = reaching.get(number) if of_port else passing.get(path.offset)
-        if passes is None and of_port:
-            passes = reaching[number] = _sign_changes(p - _line_pressures(life, number, angles))
-        elif passes is None:  # ahead of the last chamber is the discharge, treated as a port
-            passes = passing[path.offset] = _sign_changes(p[: c.chambers - path.offset] - p[path.offset :])
-        if not len(passes[0]):
-            continue
-        ends = (starts[passes[0], None] + angles[passes[1][:, None] + (0, 1)]).ravel()
-        areas = np.zeros(ends.size)
-        life.module.trace__areas_along(ends, index, c.P, c.TAB, areas)
-        is_open = (areas.reshape(-1, 2) > 0.0).all(axis=1)
-        if path.opening is not None and not path.one_way:
-            is_open &= _opened(pitch, index, ends).reshape(-1, 2).all(axis=1)
-        for j, k in zip(*(each[is_open].tolist() for each in passes), strict=True):
-            beyond = PathSide(None, number) if of_port else PathSide(float(starts[j + path.offset]))
-            width = float(c.P[P_PORT_WIDTH + number]) if of_port else float(c.P[P_GAP_WIDTH] * p[j, k])
-            yield FlowReversal(
-                PathSide(float(starts[j])), beyond, (float(angles[k]), float(angles[k + 1])), width, float(wide[k])
-            )
+
+    @cache
+    def to_line(number: int) -> SignChanges:
+        return _sign_changes(p - _line_pressures(life, number, angles))
+
+    @cache
+    def ahead(offset: int) -> SignChanges:  # the last chambers have the discharge ahead of them, treated as a port
+        return _sign_changes(p[: c.chambers - offset] - p[offset:])
+
+    def reversal(j: int, k: int, beyond: PathSide, width: float) -> FlowReversal:
+        ends = float(angles[k]), float(angles[k + 1])
+        return FlowReversal(PathSide(float(starts[j])), beyond, ends, width, float(wide[k]))
+
+    for index, (_, path) in enumerate(parts.ports):
+        number = parts.number(path.to)
+        for j, k in _in_open(pitch, path, index, angles, to_line(number)):
+            yield reversal(j, k, PathSide(None, number), float(c.P[P_PORT_WIDTH + number]))
+    for index, (_, path) in enumerate(parts.gaps, len(c.ports)):
+        for j, k in _in_open(pitch, path, index, angles, ahead(path.offset)):
+            yield reversal(j, k, PathSide(float(starts[j + path.offset])), float(c.P[P_GAP_WIDTH] * p[j, k]))
+
+
+def _in_open(
+    pitch: CollocatedPitch, path: FlowPath, index: int, angles: Array, changes: SignChanges
+) -> Iterator[tuple[int, int]]:
+    """Yield those sign changes, chamber and angle, between whose angles [rad] the path `index` is open."""
+    if not len(changes[0]):
+        return
+    c = pitch.machinery.composition
+    starts = float(c.P[P_PITCH]) * np.arange(c.chambers)
+    ends = (starts[changes[0], None] + angles[changes[1][:, None] + (0, 1)]).ravel()
+    areas = np.zeros(ends.size)
+    pitch.machinery.module.trace__areas_along(ends, index, c.P, c.TAB, areas)
+    is_open = (areas.reshape(-1, 2) > 0.0).all(axis=1)
+    if path.opening is not None and not path.one_way:
+        is_open &= _opened(pitch, index, ends).reshape(-1, 2).all(axis=1)
+    yield from zip(*(each[is_open].tolist() for each in changes), strict=True)
 
 
 def _opened(pitch: CollocatedPitch, index: int, angles: Array) -> Array:
@@ -131,7 +144,7 @@ def _opened(pitch: CollocatedPitch, index: int, angles: Array) -> Array:
     return found
 
 
-def _sign_changes(drops: Array) -> tuple[Any, ...]:
+def _sign_changes(drops: Array) -> SignChanges:
     """Return after which angles, and for which chambers, pressure differences change sign: rows, columns."""
     return np.nonzero(drops[:, :-1] * drops[:, 1:] < 0.0)
 

@@ -13,9 +13,10 @@ import numpy as np
 from screwsim.cycle.feedback import set_lines, set_unknowns, unknowns
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.argument_changes import ArgumentChange
-from screwsim.derivatives.collocation import CollocatedCycle, LinearisedCycle, linearised
+from screwsim.derivatives.collocated_cycle import CollocatedCycle
 from screwsim.derivatives.line_flows import open_volumes
 from screwsim.derivatives.linear import DirectEffects
+from screwsim.derivatives.linear_cycle import LinearisedCycle, linearised
 from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.inputs.faults import UsageError
 from screwsim.model import speed
@@ -113,7 +114,7 @@ class Directions:
     def _with_unknowns(self, problem: Problem, unknowns_in: Array, TAB: Array) -> RateNumbers:
         """Return the spare machinery's numbers with unknowns; cells that the injection sets keep the cycle's values."""
         set_unknowns(problem, self.spare, unknowns_in)
-        P, R, at, noted = self.spare.composition.P, self.spare.R, self.cycle.at, self.cycle.pitch.noted
+        P, R, at, noted = self.spare.composition.P, self.spare.R, self.cycle.at, self.cycle.pitch.period.noted
         P[noted], R[R_RATIO:R_SIZE] = at.P[noted], at.R[R_RATIO:R_SIZE]
         return RateNumbers(P.copy(), TAB, R.copy())
 
@@ -125,7 +126,7 @@ class Directions:
     @once
     def shifted(self) -> Array:
         """The states before the injection."""
-        return self.cycle.pitch.at_injection(self.cycle.nodes)
+        return self.cycle.pitch.period.before_injection(self.cycle.nodes)
 
     @once
     def own(self) -> tuple[RateNumbers, Array]:
@@ -140,7 +141,7 @@ class Directions:
         there = self.spare.pitch_breakpoints()  # it holds this problem's numbers (`numbers`)
         if len(there) == len(self.breakpoints):
             rates = (there - self.breakpoints) / by
-            edges = self.cycle.pitch.slices.edges  # move as breakpoints do, interpolated between these
+            edges = self.cycle.pitch.mesh.edges  # move as breakpoints do, interpolated between these
             return ArgumentChange(numbers, np.interp(edges, self.breakpoints, rates) if rates.any() else None)
         ways = np.sign(by) * self._ways(there, float(self.cycle.at.P[P_PITCH]))
         some = ways[ways != 0.0]
@@ -155,7 +156,7 @@ class Directions:
         ways = np.zeros(len(self.breakpoints))
         moves = apart[np.arange(len(apart)), nearest]
         np.add.at(ways, nearest, np.where(np.abs(moves) > SAME, moves, 0.0))
-        ends, found = self.cycle.pitch.slices.edges[1:], np.zeros(self.cycle.pitch.count)
+        ends, found = self.cycle.pitch.mesh.edges[1:], np.zeros(self.cycle.pitch.count)
         at = np.abs(ends[:, None] - self.breakpoints)
         on = at.min(axis=1) < SAME
         found[on] = np.sign(ways[at[on].argmin(axis=1)])
@@ -164,9 +165,9 @@ class Directions:
     def _injected(self, numbers: RateNumbers, step: float) -> tuple[Array, Array]:
         """Return the change of states after the injection, and of the cells it sets, with numbers."""
         cycle, pitch = self.cycle, self.cycle.pitch
-        if pitch.injected is None or numbers.nothing:
-            return np.zeros(pitch.N), np.zeros(len(pitch.cells()))
-        sides = (pitch.injects(self.shifted, cycle.at.plus(by, numbers)) for by in (step, -step))
+        if pitch.period.injected is None or numbers.nothing:
+            return np.zeros(pitch.N), np.zeros(len(pitch.period.cells()))
+        sides = (pitch.period.injects(self.shifted, cycle.at.plus(by, numbers)) for by in (step, -step))
         (y, cells), (y_below, cells_below) = sides
         return (y - y_below) / (2.0 * step), (cells - cells_below) / (2.0 * step)
 

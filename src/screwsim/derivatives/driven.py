@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from screwsim.derivatives.around import motion_of
-from screwsim.derivatives.collocation import NotClosed
+from screwsim.derivatives.collocated_cycle import NotClosed
 from screwsim.derivatives.directions import Direction, Directions
 from screwsim.derivatives.response import CycleResponse, image, responses, shifted_evaluation, unshifted_evaluation
 from screwsim.evaluate.evaluation import Evaluation

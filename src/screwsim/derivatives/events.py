@@ -7,12 +7,14 @@ move with their events, a small change passes one by the derivatives of that law
 Source: docs/reference/slider-crank.md S26, S32, S33 (`model.impacts`); docs/explanation/derivatives.md.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple, Self
 
 import numpy as np
 
-from screwsim.derivatives.rate_numbers import RateNumbers
+from screwsim.derivatives.mesh import Mesh
+from screwsim.derivatives.rate_numbers import SMALL, RateNumbers
 from screwsim.model.impacts import LEAVES, MOVES, SEATED, STOPPED
 from screwsim.model.run import Machinery
 from screwsim.model.slots import S_RHO, S_T
@@ -20,9 +22,10 @@ from screwsim.model.trajectory import Trajectory
 
 Array = np.ndarray
 SHIFT = 1e-6  # relative, for differences of a push by states and numbers: it is nearly linear
-SMALL = 1e-3  # least size of a state, for that
 UNIT = 100.0  # [rad] of an event's angle as an unknown: a relative step of differences then moves it far above rounding
+MOST_MOVED = 0.3  # of the distance between two events, or an event and a breakpoint, in one iteration
 BEYOND = 1e-6  # of the lift, or of the push: what is left open that is no missed event
+Changes = Sequence[tuple[int, RateNumbers]]  # of the numbers, by their columns
 
 
 class Event(NamedTuple):
@@ -51,6 +54,10 @@ class Course(NamedTuple):
     def returns(self) -> bool:
         """Whether what rests at the end of the turn does so at its start, and nothing else."""
         return tuple(self.modes()[-1].tolist()) == self.begins
+
+    def modes_at(self, angles: Array) -> Array:
+        """Return the mode of each pair at angles [rad] that are none of an event (angles, pairs)."""
+        return self.modes()[np.searchsorted(self.angles, angles)]
 
     def moved(self, angles: Array) -> Self:
         """Return the same events at other angles."""
@@ -151,6 +158,96 @@ class EventLaws:
                     if side * push < -BEYOND:
                         return "a valve leaves its seat or stop where the integrated turn does not"
         return ""
+
+
+class LinearEvent(NamedTuple):
+    """An event at the end of a slice, linearised at the states y before it, with given numbers."""
+
+    slice: int
+    laws: EventLaws
+    event: Event
+    y: Array
+    at: RateNumbers
+
+    def condition(self, now: Array, numbers: Changes) -> Array:
+        """Return the changes (k,) of its condition by those of the states before it (N, k), and of some numbers."""
+        found = self.laws.open_by_states(self.event, self.y, self.at) @ now
+        for k, each in numbers:
+            found[k] += self.laws.open_by_numbers(self.event, self.y, self.at, each)
+        return found
+
+    def jumped(self, now: Array, numbers: Changes) -> Array:
+        """Return the changes of the states after it (N, k)."""
+        found = self.laws.after_by_states(self.event, self.y, self.at)[:, None] * now
+        for k, each in numbers:
+            found[:, k] += self.laws.after_by_numbers(self.event, self.y, self.at, each)
+        return found
+
+
+@dataclass(frozen=True)
+class Events:
+    """The events of a pitch on a mesh whose slices end at all `seams` [rad]: breakpoints, corners of laws, events.
+
+    Coupled chambers have none. The unknown of each is its angle, in `UNIT`: with it the slices between two seams move
+    in proportion.
+    """
+
+    laws: EventLaws
+    course: Course
+    seams: Array
+    passed: Sequence[int]  # the slices that end with an event
+
+    @classmethod
+    def of(cls, machinery: Machinery, course: Course, seams: Array, mesh: Mesh) -> Self:
+        """Return the events of a course that seams of a mesh include."""
+        return cls(EventLaws(machinery), course, seams, (np.searchsorted(mesh.edges, course.angles) - 1).tolist())
+
+    @property
+    def _ends(self) -> Iterator[tuple[int, Event]]:
+        """The slices that end with an event, with that event."""
+        return zip(self.passed, self.course.events, strict=True)
+
+    def after(self, Y: Array, numbers: RateNumbers) -> Array:
+        """Return the states after each event (events, N), from those at the nodes."""
+        return np.array([self.laws.after(event, Y[k, -1], numbers) for k, event in self._ends])
+
+    def open_(self, Y: Array, numbers: RateNumbers) -> Array:
+        """Return what is open of the condition of each event."""
+        return np.array([self.laws.open_(event, Y[k, -1], numbers) for k, event in self._ends])
+
+    def linearised(self, Y: Array, numbers: RateNumbers) -> list[LinearEvent]:
+        """Return the linearised events, in order."""
+        return [LinearEvent(k, self.laws, event, Y[k, -1].copy(), numbers) for k, event in self._ends]
+
+    def moves(self, edges: Array) -> Array:
+        """Return how the edges of slices move with the unknown of each event (events, edges) [rad]."""
+        if not self.passed:
+            return np.zeros((0, len(edges)))
+        return UNIT * hats(edges, self.seams, self.course.angles)
+
+    def share_of_move(self, by: Array) -> float:
+        """Return the share of a change of the unknowns that leaves the events in their order."""
+        widths = np.diff(self.seams)
+        moves = np.abs(np.diff(by @ self.moves(self.seams)))
+        return min(1.0, MOST_MOVED / max(1e-300, float((moves / widths).max())))
+
+    def moved(self, edges: Array, by: Array) -> tuple[Array, Self]:
+        """Return the edges of the slices and the events after a change of the unknowns."""
+        angles, seams = self.course.angles + UNIT * by, self.seams.copy()
+        there = edges + by @ self.moves(edges)
+        seams[np.searchsorted(seams, self.course.angles)] = angles
+        there[np.array(self.passed, int) + 1] = angles
+        return there, replace(self, course=self.course.moved(angles), seams=seams)
+
+    def carried(self, edges: Array, seams: Array, course: Course) -> Array:
+        """Return other edges of slices, whose seams and events were elsewhere, with these moved here."""
+        found = np.interp(edges, seams, self.seams)
+        found[np.searchsorted(edges, course.angles)] = self.course.angles
+        return found
+
+    def missed(self, Y: Array, mesh: Mesh, numbers: RateNumbers) -> str:
+        """Return why the events are not those of the states; empty if they are."""
+        return self.laws.missed(self.course.modes_at(mesh.middles), Y, numbers)
 
 
 def hats(edges: Array, seams: Array, angles: Sequence[float] | Array) -> Array:

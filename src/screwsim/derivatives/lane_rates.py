@@ -11,9 +11,9 @@ import numpy as np
 
 from screwsim.codegen.kinds import FLOAT, INTEGER, LANES, Kind
 from screwsim.codegen.program import CannotCompile
-from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.node_rates import NodeRates
+from screwsim.derivatives.radau import NODES
 from screwsim.derivatives.rate_numbers import RateNumbers
-from screwsim.derivatives.slices import NODES
 from screwsim.model.run import Machinery
 from screwsim.model.side_by_side import address, aligned
 from screwsim.model.trajectory import CoupledContext
@@ -80,22 +80,22 @@ class RateRequest(NamedTuple):
 _entries: dict[str, Any] = {}  # entries of compiled lanes by module; None where its text cannot be compiled so
 
 
-def rates(pitch: CollocatedPitch, Y: Array, edges: Array | None = None) -> tuple[Array, Array]:
-    """Return the same as `CollocatedPitch.rates`, each lane computing a part of the nodes."""
-    entry = _entry(pitch.machinery)
+def rates(of: NodeRates, Y: Array, edges: Array | None = None) -> tuple[Array, Array]:
+    """Return the same as `NodeRates.at`, each lane computing a part of the nodes."""
+    entry = _entry(of.machinery)
     if entry is None:
-        return pitch.rates(Y, edges)
-    slices, many = pitch.slices if edges is None else pitch.slices._replace(edges=edges), pitch.count * NODES
-    asked, numbers = (slices.angles.ravel(), slices.middles[pitch.of_nodes], Y.reshape(many, -1)), [pitch.numbers]
-    found = []
-    for rows in pitch.runs(pitch.of_nodes):
+        return of.at(Y, edges)
+    mesh, of_nodes = of.mesh if edges is None else of.mesh.with_edges(edges), of.mesh.of_nodes
+    asked = mesh.angles.ravel(), mesh.middles[of_nodes], Y.reshape(len(of_nodes), -1)
+    found, numbers = [], [RateNumbers.of(of.machinery)]
+    for rows in of.held.runs(of_nodes):
         some = rows.stop - rows.start
         part = -(-some // LANES)
         nodes = Nodes(*(LaneRows.parts(each[rows], part) for each in asked))
-        lanes = _in_lanes(pitch, nodes, numbers * LANES, entry)
+        lanes = _in_lanes(of, nodes, numbers * LANES, entry)
         found.append([each.swapaxes(1, 2).reshape(LANES * part, -1)[:some] for each in lanes])
     f, g = _concatenated(found)
-    return f.reshape(pitch.count, NODES, -1), g.reshape(pitch.count, NODES, -1)
+    return f.reshape(mesh.count, NODES, -1), g.reshape(mesh.count, NODES, -1)
 
 
 def _concatenated(found: Sequence[Sequence[Array]]) -> Sequence[Array]:
@@ -103,33 +103,33 @@ def _concatenated(found: Sequence[Sequence[Array]]) -> Sequence[Array]:
     return found[0] if len(found) == 1 else [np.concatenate(each) for each in zip(*found, strict=True)]
 
 
-def rates_of(pitch: CollocatedPitch, Y: Array, asked: Sequence[RateRequest]) -> Iterator[tuple[slice, Array, Array]]:
+def rates_of(of: NodeRates, Y: Array, asked: Sequence[RateRequest]) -> Iterator[tuple[slice, Array, Array]]:
     """Yield ranges of `asked`, with their rates of states and quadratures at the nodes (slices, NODES, …, LANES).
 
     Each range has as many entries as there are lanes, or fewer at the end, where the other lanes are meaningless.
-    The pitch's numbers are left as they were.
+    The numbers of the machinery are left as they were.
     """
-    at, shape, slices = pitch.numbers, (pitch.count, NODES), pitch.slices
+    at, mesh = RateNumbers.of(of.machinery), of.mesh
     for first in range(0, len(asked), LANES):
         now = asked[first : first + LANES]
-        entry = _entry(pitch.machinery) if len(now) >= FEWEST_LANES else None
+        entry = _entry(of.machinery) if len(now) >= FEWEST_LANES else None
         if entry is not None:
-            middles, y = np.repeat(slices.middles, NODES), Y.reshape(-1, pitch.N)
-            angles = slices.angles.ravel()
+            middles, y = np.repeat(mesh.middles, NODES), Y.reshape(-1, of.N)
+            angles = mesh.angles.ravel()
             moved = [each.edges for each in now]
-            own = [angles if e is None else slices._replace(edges=e).angles.ravel() for e in moved]
+            own = [angles if e is None else mesh.with_edges(e).angles.ravel() for e in moved]
             lanes = []
-            for rows in pitch.runs(pitch.of_nodes):
+            for rows in of.held.runs(mesh.of_nodes):
                 laid = ([each[rows] for each in every] for every in (own, [middles] * len(now), [y] * len(now)))
                 nodes = Nodes(*(LaneRows.each(every) for every in laid))
-                lanes.append(_in_lanes(pitch, nodes, [each.numbers for each in now], entry))
-            found = [each.reshape(*shape, -1, LANES) for each in _concatenated(lanes)]
+                lanes.append(_in_lanes(of, nodes, [each.numbers for each in now], entry))
+            found = [each.reshape(mesh.count, NODES, -1, LANES) for each in _concatenated(lanes)]
         else:
-            found = [empty(*shape, size, LANES) for size in (pitch.N, pitch.q)]
+            found = [empty(mesh.count, NODES, size, LANES) for size in (of.N, of.q)]
             for i, (numbers, edges) in enumerate(now):
-                pitch.put(numbers)
-                found[0][..., i], found[1][..., i] = rates(pitch, Y, edges)
-            pitch.put(at)
+                numbers.put(of.machinery)
+                found[0][..., i], found[1][..., i] = rates(of, Y, edges)
+            at.put(of.machinery)
         yield slice(first, first + len(now)), found[0], found[1]
 
 
@@ -150,9 +150,9 @@ def _room(size: int, _of: Any) -> Array:
     return empty(size)
 
 
-def _in_lanes(pitch: CollocatedPitch, nodes: Nodes, numbers: Sequence[RateNumbers], entry: Any) -> tuple[Array, Array]:
+def _in_lanes(of: NodeRates, nodes: Nodes, numbers: Sequence[RateNumbers], entry: Any) -> tuple[Array, Array]:
     """Return the rates at the nodes (nodes, …, lanes) of each lane's numbers; all lanes have equally many nodes."""
-    machinery = pitch.machinery
+    machinery = of.machinery
     port_states, work = machinery.coupled.port_states, machinery.coupled.work
     rows = {"port_states": aligned(len(port_states)), "work": aligned(len(work))}
     rows["port_states"][:], rows["work"][:] = port_states[:, None], work[:, None]
@@ -163,7 +163,7 @@ def _in_lanes(pitch: CollocatedPitch, nodes: Nodes, numbers: Sequence[RateNumber
         each_of = first[:, None] if alike else np.transpose([getattr(each, name) for each in numbers])
         rows[name][:, : len(numbers)] = each_of
     by_lane = {"TAB": LaneRows.each([numbers[0].TAB] if alike else [each.TAB for each in numbers])}
-    out = [aligned(nodes.y.shape[0] * size, room=_room).reshape(-1, size, LANES) for size in (pitch.N, pitch.q)]
+    out = [aligned(nodes.y.shape[0] * size, room=_room).reshape(-1, size, LANES) for size in (of.N, of.q)]
     words: list[int] = [(1 << len(numbers)) - 1]
     for each in nodes:
         words.extend([*each.addresses, *each.shape])

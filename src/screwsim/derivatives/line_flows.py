@@ -13,7 +13,7 @@ import numpy as np
 from screwsim.cycle.feedback import LINE_POINTS, LineInflow
 from screwsim.cycle.problem import Problem
 from screwsim.derivatives.pitch import CollocatedPitch
-from screwsim.derivatives.slices import INTEGRALS, SHARES
+from screwsim.derivatives.radau import INTEGRALS, SHARES
 from screwsim.effects.base import LINES
 from screwsim.model import slots
 from screwsim.numerics.quadrature import gauss
@@ -100,7 +100,7 @@ def line_inflow(pitch: CollocatedPitch, g: Array) -> LineInflow | None:
     """Return the flow into pulsating lines by the rates of quadratures at the nodes; None where it is not known so."""
     if not pulsates(pitch):
         return None
-    flows = LineMeans.of(pitch.slices.edges).through(pitch.slices.widths[:, None, None] * flows_of(pitch, g))
+    flows = LineMeans.of(pitch.mesh.edges).through(pitch.mesh.widths[:, None, None] * flows_of(pitch, g))
     return LineInflow(flows, open_volumes(pitch.problem, pitch))
 
 
@@ -124,5 +124,5 @@ def by_states(pitch: CollocatedPitch, slopes: Array, nodes: Array, jumps: Array 
     """Return the change of the means with changes at the nodes (slices, NODES, N, k), by the slopes of quadratures."""
     if not pulsates(pitch):
         return none(pitch, nodes.shape[-1])
-    of_lines = pitch.slices.widths[:, None, None, None] * flows_of(pitch, slopes)
-    return LineMeans.of(pitch.slices.edges).through(of_lines @ nodes, jumps)
+    of_lines = pitch.mesh.widths[:, None, None, None] * flows_of(pitch, slopes)
+    return LineMeans.of(pitch.mesh.edges).through(of_lines @ nodes, jumps)

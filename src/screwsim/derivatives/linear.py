@@ -14,12 +14,14 @@ import numpy as np
 
 from screwsim.codegen.kinds import LANES
 from screwsim.cycle.linear_pitch import shifted
-from screwsim.derivatives.argument_changes import SMALL, ArgumentChange, along, along_events, step_of
-from screwsim.derivatives.blocks import Blocks, follow_once
+from screwsim.derivatives.argument_changes import ArgumentChange, along, along_events, step_of
+from screwsim.derivatives.block_bidiagonal import BlockBidiagonal, follow_once
 from screwsim.derivatives.line_flows import by_states, flows_of, pulsates
+from screwsim.derivatives.node_rates import Slopes
+from screwsim.derivatives.period import RUN_CELLS
 from screwsim.derivatives.phases import BorderCrossing
-from screwsim.derivatives.pitch import CollocatedPitch, Slopes
-from screwsim.derivatives.rate_numbers import RateNumbers
+from screwsim.derivatives.pitch import CollocatedPitch
+from screwsim.derivatives.rate_numbers import SMALL, RateNumbers
 from screwsim.derivatives.sweeps import compiled
 from screwsim.effects.base import LINES
 from screwsim.numerics.identity_cache import once
@@ -100,26 +102,6 @@ class Response(NamedTuple):
         return self._replace(**{name: made(getattr(self, name)) for name in names})
 
 
-def injection(pitch: CollocatedPitch, Y: Array) -> tuple[Array, Array]:
-    """Return the derivatives of states after the injection, and of the cells it sets, by the states before it."""
-    N, n, index = pitch.N, pitch.n, pitch.injected
-    states, cells = np.eye(N), np.zeros((len(pitch.cells()), N))
-    if index is None:
-        return states, cells
-    before, step = pitch.at_injection(Y), step_of(pitch)
-    for i in range(index * n, index * n + n):
-        size = max(abs(before[i]), SMALL)
-        found = []
-        for sign in (1.0, -1.0):
-            y = before.copy()
-            y[i] += sign * step * size
-            found.append(pitch.injects(y, pitch.numbers))
-        states[:, i] = (found[0][0] - found[1][0]) / (2.0 * step * size)
-        cells[:, i] = (found[0][1] - found[1][1]) / (2.0 * step * size)
-    states[list(pitch.begin_at_rest)] = 0.0
-    return states, cells
-
-
 class Followed(NamedTuple):
     """Changes followed through a pitch, a column each: at nodes (slices, NODES, N, K), of quadratures, of line flows.
 
@@ -147,6 +129,38 @@ class Followed(NamedTuple):
         return self._make(np.concatenate(each, axis=-1) for each in zip(self, other, strict=True))
 
 
+class Columns(NamedTuple):
+    """What the columns of followed changes are: N states at the start, the cells that rates feel, events, then others.
+
+    `felt` are the indices of these cells among those that the injection sets.
+    """
+
+    N: int
+    felt: list[int]
+    events: int
+    changes: int
+
+    @property
+    def cells(self) -> slice:
+        """The columns of cells."""
+        return slice(self.N, self.N + len(self.felt))
+
+    @property
+    def moves(self) -> slice:
+        """The columns of the unknowns of events."""
+        return slice(self.cells.stop, self.cells.stop + self.events)
+
+    @property
+    def own(self) -> slice:
+        """The columns of what closes with the period: states, cells, events."""
+        return slice(self.moves.stop)
+
+    @property
+    def total(self) -> int:
+        """The number of columns."""
+        return self.own.stop + self.changes
+
+
 class LinearisedPitch:
     """The linearised pitch at states Y and the current numbers, with slices fixed, or bounded by moving phase borders.
 
@@ -168,48 +182,60 @@ class LinearisedPitch:
         own: RateEffects | None = None,
     ) -> None:
         self.pitch, self.slopes = pitch, slopes
-        self.inject, self.noted = injection(pitch, Y)
-        sizes, N = np.maximum(np.abs(pitch.cells()), SMALL), pitch.N
-        c = pitch.machinery.composition
-        ratio = not c.carried and "T_oil" in c.states  # whether rates depend on the oil ratio (the first cell) ...
-        self._feels = [*([0] if ratio else []), *range(pitch.run_cells, len(sizes))]  # ... and on what a pump uses
-        felt = [ArgumentChange(pitch.cells_as_numbers(each)) for each in np.diag(sizes)[self._feels]]
-        cells, nothing = N + len(felt), pitch.numbers.times(0.0)
-        self._events = pitch.linear_events(Y)
-        moving = [ArgumentChange(nothing)] * len(self._events)  # of the edges alone, by `along_events`
-        self._known = cells + len(moving)  # columns before those of changes
-        columns = self._known + len(changes)
-        right = zeros(*Y.shape, -(-columns // LANES) * LANES)  # whole registers, as a partial one takes as long
-        each_change = [*felt, *moving, *changes]
-        first = self._known - N + shared if own is not None else 0  # whose effects are known
-        rest = along(pitch, Y, pitch.numbers, each_change[first:], right, N + first)  # cheaper side by side
+        self.inject, self.noted = pitch.period.jacobian(Y, step_of(pitch))
+        self._events = pitch.events.linearised(Y, pitch.numbers)
+        self._columns = columns = Columns(pitch.N, _felt_cells(pitch), len(self._events), len(changes))
+        right, sums, lines = self._sources(Y, changes, own)
         if own is None:
-            of_rates, lines = rest
-            right[..., N:cells] /= sizes[self._feels]
-            of_rates[:, : len(felt)] /= sizes[self._feels]
-            lines[..., : len(felt)] /= sizes[self._feels]
-            of_rates[:, len(felt) : len(felt) + len(moving)] = along_events(pitch, Y, right[..., cells : self._known])
-            some = slice(self._known - N + shared)
-            own = RateEffects(right[..., N : self._known + shared].copy(), of_rates[:, some], lines[..., some])
-        else:
-            right[..., N : N + first] = own.right
-            of_rates, lines = (np.concatenate(both, axis=-1) for both in zip(own[1:], rest, strict=True))
+            some = slice(columns.own.stop - columns.N + shared)
+            of_some = right[..., columns.N : columns.own.stop + shared].copy()
+            own = RateEffects(of_some, sums[:, some], lines[..., some])
         self.own = own
-        of_cells = map(pitch.cells_as_numbers, np.eye(len(sizes))[self._feels])
-        numbers = [*of_cells, *(each.numbers for each in (*moving, *changes))]
-        found = self._through(np.eye(N, right.shape[-1]), right, borders, numbers)
+        start = np.eye(columns.N, right.shape[-1])
+        found = self._through(start, right, borders, self._numbers(changes))
         found.sums[:] += self._summed(found.nodes)
-        self._followed = found.of_columns(slice(columns))
-        self._followed.sums[:, N:] += of_rates
-        self._followed.lines[..., N:] += lines
-        self._around = self._closing()
+        self._followed = found.of_columns(slice(columns.total))
+        self._followed.sums[:, columns.N :] += sums
+        self._followed.lines[..., columns.N :] += lines
+        self._around = np.linalg.inv(np.eye(self._size) - self._monodromy())
         self.first = self._responded(self._followed, injected)
+
+    def _numbers(self, changes: Sequence[ArgumentChange]) -> list[RateNumbers]:
+        """Return the changes of the numbers for all columns after those of states."""
+        columns, nothing = self._columns, self.pitch.numbers.times(0.0)
+        of_cells = map(self.pitch.period.cells_as_numbers, np.eye(len(self.noted))[columns.felt])
+        return [*of_cells, *[nothing] * columns.events, *(each.numbers for each in changes)]
+
+    def _sources(
+        self, Y: Array, changes: Sequence[ArgumentChange], own: RateEffects | None
+    ) -> tuple[Array, Array, Array]:
+        """Return the right sides of the stage equations, then what changes quadratures and line flows at once.
+
+        Right sides (slices, NODES, N, …) are of all columns, and of whole registers, as a partial one takes as long;
+        the others are of all but states. Effects that are known from before are `own`.
+        """
+        pitch, columns = self.pitch, self._columns
+        sizes = np.maximum(np.abs(pitch.period.cells()), SMALL)
+        of_cells = [ArgumentChange(pitch.period.cells_as_numbers(each)) for each in np.diag(sizes)[columns.felt]]
+        fixed = [ArgumentChange(pitch.numbers.times(0.0))] * columns.events  # their edges move, see `along_events`
+        every, known = [*of_cells, *fixed, *changes], 0 if own is None else own.right.shape[-1]
+        right = zeros(*Y.shape, -(-columns.total // LANES) * LANES)
+        sums, lines = along(pitch, Y, pitch.numbers, every[known:], right, columns.N + known)  # cheaper side by side
+        if own is not None:
+            right[..., columns.N : columns.N + known] = own.right
+            return right, np.concatenate([own.sums, sums], axis=-1), np.concatenate([own.lines, lines], axis=-1)
+        units = sizes[columns.felt]
+        for each, cells in (right, columns.cells), (sums, slice(len(units))), (lines, slice(len(units))):
+            each[..., cells] /= units
+        moves = slice(len(units), len(units) + columns.events)
+        sums[:, moves] = along_events(pitch, Y, right[..., columns.moves])
+        return right, sums, lines
 
     @property
     def _equations(self) -> tuple[Array, Array, int, int]:
         """The arguments for factoring the stage equations."""
         reach = max(self.pitch.machinery.composition.offsets, default=1)
-        return self.slopes.by_states, self.pitch.slices.widths, self.pitch.n, max(1, reach)
+        return self.slopes.by_states, self.pitch.mesh.widths, self.pitch.n, max(1, reach)
 
     def _through(
         self, now: Array, right: Array, borders: Sequence[BorderCrossing], numbers: Sequence[RateNumbers]
@@ -244,13 +270,13 @@ class LinearisedPitch:
         return Followed.of(right, sums, self._lines(right, jumps), conditions, passed)
 
     @once
-    def blocks(self) -> Blocks:
+    def blocks(self) -> BlockBidiagonal:
         """The factored stage equations, for repeated use."""
-        return Blocks(*self._equations)
+        return BlockBidiagonal(*self._equations)
 
     def _summed(self, nodes: Array) -> Array:
         """Return the change of the quadratures with changes at the nodes (slices, NODES, N, k)."""
-        sums, widths = np.zeros((self.pitch.machinery.nq, nodes.shape[-1])), self.pitch.slices.widths
+        sums, widths = np.zeros((self.pitch.machinery.nq, nodes.shape[-1])), self.pitch.mesh.widths
         slopes = self.slopes.g_by_states
         compiled().sweeps__add_through(
             slopes.reshape(-1, *slopes.shape[2:]), nodes.reshape(-1, *nodes.shape[2:]), widths, sums
@@ -263,19 +289,25 @@ class LinearisedPitch:
 
     def _returned(self, followed: Followed) -> Array:
         """Return the changes of the next start, of the cells, and of the conditions of events, a column each."""
-        pitch, nodes = self.pitch, followed.nodes
-        end = shifted(nodes[-1, -1], pitch.machinery.composition.chambers)
-        return np.concatenate([self.inject @ end, self.noted @ pitch.before_injection(nodes), followed.conditions])
+        period, nodes = self.pitch.period, followed.nodes
+        end = shifted(nodes[-1, -1], self.pitch.machinery.composition.chambers)
+        cells = self.noted @ period.change_before_injection(nodes)
+        return np.concatenate([self.inject @ end, cells, followed.conditions])
 
-    def _closing(self) -> Array:
-        """Return the inverse of 1 − (the map of start and cells over one period); events: of minus their conditions."""
-        found = self._returned(self._followed.of_columns(slice(self._known)))
-        N, events = self.pitch.N, len(self._events)
-        first = len(found) - events  # row of the first event
-        back = np.zeros((len(found), len(found)))
-        back[:, [*range(N), *(N + i for i in self._feels), *range(first, len(found))]] = found
-        back[range(first, len(found)), range(first, len(found))] += 1.0
-        return np.linalg.inv(np.eye(len(back)) - back)
+    @property
+    def _size(self) -> int:
+        """The number of unknowns that close with the period: states, all cells, events."""
+        return self._columns.N + len(self.noted) + self._columns.events
+
+    def _monodromy(self) -> Array:
+        """Return the map of start and cells over one period; of events, which do not map, 1 − their conditions."""
+        columns, size = self._columns, self._size
+        first = size - columns.events  # row of the first event
+        found = np.zeros((size, size))
+        felt = [*range(columns.N), *(columns.N + i for i in columns.felt), *range(first, size)]
+        found[:, felt] = self._returned(self._followed.of_columns(columns.own))
+        found[range(first, size), range(first, size)] += 1.0
+        return found
 
     def respond(self, stages: Array, conditions: Array) -> Response:
         """Return the periodic response to sources (…, k) in the stage equations and in the conditions of events."""
@@ -288,19 +320,25 @@ class LinearisedPitch:
                 begins = self._events[i].jumped(nodes[high - 1, -1], ())
                 passed.append(begins)
         more = Followed.of(nodes, self._summed(nodes), self._lines(nodes), of_events, passed)
-        return self._responded(self._followed.of_columns(slice(self._known)).beside(more))
+        return self._responded(self._followed.of_columns(self._columns.own).beside(more))
 
     def _responded(self, followed: Followed, injected: DirectEffects | None = None) -> Response:
         """Return the periodic response to what was followed beyond start, felt cells and events, a column each.
 
         The last columns also have injected sources.
         """
-        N, known, events = self.pitch.N, self._known, len(self._events)
-        made = self._returned(followed.of_columns(slice(known, None)))
+        columns, first = self._columns, self._size - self._columns.events
+        made = self._returned(followed.of_columns(slice(columns.own.stop, None)))
         if injected is not None:
-            made[: len(made) - events, made.shape[1] - injected.start.shape[1] :] += np.concatenate(injected)
-        found = self._around @ made
-        start, cells, moved = np.split(found, [N, len(found) - events])
-        weights = np.concatenate([start, cells[self._feels], moved, np.eye(made.shape[1])])
+            made[:first, made.shape[1] - injected.start.shape[1] :] += np.concatenate(injected)
+        start, cells, moved = np.split(self._around @ made, [columns.N, first])
+        weights = np.concatenate([start, cells[columns.felt], moved, np.eye(made.shape[1])])
         sums, lines = (each @ weights for each in (followed.sums, followed.lines))
         return Response(start, cells, sums, lines, weights, followed.nodes, moved, followed.passed)
+
+
+def _felt_cells(pitch: CollocatedPitch) -> list[int]:
+    """Return the indices of cells on which rates depend: the oil ratio, the first one, and what a pump uses."""
+    c = pitch.machinery.composition
+    ratio = not c.carried and "T_oil" in c.states
+    return [*([0] if ratio else []), *range(RUN_CELLS, len(pitch.period.cells()))]

@@ -13,9 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.derivatives.held import has_phases, phases_of
+from screwsim.derivatives.mesh import CORNER_LAYER, SHARE_BEFORE, Crossing
 from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.rate_numbers import RateNumbers
-from screwsim.derivatives.slices import CORNER_LAYER, SHARE_BEFORE, Crossing
 from screwsim.model.slots import P_PITCH, S_RHO, S_T
 from screwsim.numerics.roots import bisected
 
@@ -61,15 +62,15 @@ def border_crossings(pitch: CollocatedPitch, angles: Array, states: Array) -> It
     `states` are those of all chambers there (chambers, angles, …).
     """
     c, life = pitch.machinery.composition, pitch.machinery.trajectory
-    if not pitch.has_phases:
+    if not has_phases(pitch.problem.parts):
         return
-    every = pitch.phases_of(states.reshape(-1, states.shape[-1])).reshape(states.shape[:2])
+    every = phases_of(pitch.machinery, states.reshape(-1, states.shape[-1])).reshape(states.shape[:2])
     for chamber, phases in enumerate(every):
         start = float(c.P[P_PITCH]) * chamber
         for k in np.flatnonzero(np.diff(phases)).tolist():
 
             def before(angle: float, start: float = start, phase: int = phases[k]) -> bool:
-                return pitch.phases_of(life.states_at(np.array([start + angle])))[0] == phase
+                return phases_of(pitch.machinery, life.states_at(np.array([start + angle])))[0] == phase
 
             _, end = bisected(before, float(angles[k]), float(angles[k + 1]), xtol=PLACE_TOLERANCE)
             yield Crossing(_existing_edge(pitch, chamber, end), CORNER_LAYER, JUMP_WIDTH)
@@ -81,16 +82,18 @@ def _existing_edge(pitch: CollocatedPitch, chamber: int, angle: float) -> float:
     After that end the gas is held in its other phase, whose rates determine the border: it would alternate
     otherwise.
     """
-    end = int(np.searchsorted(pitch.slices.edges, angle)) - 1
-    at = float(pitch.slices.edges[end])
-    passes = end > 0 and pitch.phases[end - 1, chamber] != pitch.phases[end, chamber]
+    end = int(np.searchsorted(pitch.mesh.edges, angle)) - 1
+    at = float(pitch.mesh.edges[end])
+    phases = pitch.rates.held.phases[:, chamber]
+    passes = end > 0 and phases[end - 1] != phases[end]
     return at + SHARE_BEFORE * CORNER_LAYER if passes and ENDS[0] < angle - at < ENDS[1] else angle
 
 
 def borders(pitch: CollocatedPitch, Y: Array) -> list[BorderCrossing]:
     """Return the phase borders that chambers cross, each at the end of a slice."""
-    passed = np.argwhere(np.diff(pitch.phases, axis=0)).tolist()
-    found = (_border(pitch, Y, k, chamber, pitch.phases[k : k + 2]) for k, chamber in passed)
+    phases = pitch.rates.held.phases
+    passed = np.argwhere(np.diff(phases, axis=0)).tolist()
+    found = (_border(pitch, Y, k, chamber, phases[k : k + 2]) for k, chamber in passed)
     return [each for each in found if each is not None]
 
 
@@ -102,7 +105,7 @@ def _border(pitch: CollocatedPitch, Y: Array, k: int, chamber: int, phases: Arra
     y, own = Y[k, -1], [chamber * pitch.n + S_T, chamber * pitch.n + S_RHO]
     before, behind = phases[0], phases[0].copy()
     behind[chamber] = phases[1, chamber]
-    (f, g), (f_behind, g_behind) = (pitch.rates_in(each, k + 1, y) for each in (before, behind))
+    (f, g), (f_behind, g_behind) = (pitch.rates.at_start(k + 1, y, each) for each in (before, behind))
     T, rho = y[own].tolist()
     sides = [border_temperature(pitch, T, rho * (1.0 + by), pitch.numbers) for by in (DENSITY_STEP, -DENSITY_STEP)]
     passes = np.array([1.0, (sides[1] - sides[0]) / (2.0 * DENSITY_STEP * rho)])

@@ -1,11 +1,13 @@
-"""Arguments of the rates besides states and angle, and what an event does to small changes of these and of states."""
+"""Arguments of the rates besides states and angle: parameters, tables, run-time cells."""
 
-from collections.abc import Sequence
-from typing import NamedTuple, Protocol, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
+from screwsim.model.run import Machinery
+
 Array = np.ndarray
+SMALL = 1e-3  # least size of a state or a cell, for relative steps and residuals
 
 
 class RateNumbers(NamedTuple):
@@ -14,6 +16,18 @@ class RateNumbers(NamedTuple):
     P: Array
     TAB: Array
     R: Array
+
+    @classmethod
+    def of(cls, machinery: Machinery) -> Self:
+        """Return a copy of those that a machinery holds."""
+        c = machinery.composition
+        return cls(c.P.copy(), c.TAB.copy(), machinery.R.copy())
+
+    def put(self, machinery: Machinery) -> None:
+        """Write these into a machinery, whose tables are a copy of its own."""
+        c = machinery.composition
+        c.P[:], c.TAB[:], machinery.R[:] = self
+        machinery.line_flows.clear()  # they do not know of other tables
 
     def plus(self, by: float, change: Self) -> Self:
         """Return these plus a multiple of a change."""
@@ -27,19 +41,3 @@ class RateNumbers(NamedTuple):
     def nothing(self) -> bool:
         """Whether this change is zero."""
         return not any(each.any() for each in self)
-
-
-Changes = Sequence[tuple[int, RateNumbers]]  # of the numbers, by their columns
-
-
-class LinearEvent(Protocol):
-    """An event at the end of a slice, linearised (`turn`): its condition, and the jump of the states behind it."""
-
-    @property
-    def slice(self) -> int: ...
-
-    def condition(self, now: Array, numbers: Changes) -> Array:
-        """Return the changes (k,) of its condition by those of the states before it (N, k), and of some numbers."""
-
-    def jumped(self, now: Array, numbers: Changes) -> Array:
-        """Return the changes of the states after it (N, k)."""

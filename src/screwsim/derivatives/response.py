@@ -6,11 +6,11 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from screwsim.derivatives.collocation import solve_unknowns
 from screwsim.derivatives.directions import Direction, Directions
 from screwsim.derivatives.linear import Response
 from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.shifted_life import PeakPlace, ShiftedLife, in_step
+from screwsim.derivatives.unknowns import solved
 from screwsim.evaluate.evaluation import Evaluation
 
 Array = np.ndarray
@@ -48,7 +48,7 @@ def responses(all_directions: Directions, directions: Sequence[Direction], own: 
     for j, direction in enumerate(directions):
         there = image(shifted_evaluation(all_directions, direction, held.by(j)))
         off[:, j] = np.where(linear.given, direction.stated, (there - own) / direction.step)
-    unknowns = np.stack([solve_unknowns(linear.back, each, linear.given) for each in off.T], axis=-1)
+    unknowns = np.stack([solved(linear.back, each, linear.given) for each in off.T], axis=-1)
     return _moved(pitch, linear.by_changes.added(linear.by_unknowns.weighted(unknowns)), unknowns)
 
 
@@ -78,11 +78,12 @@ def shifted_evaluation(
     if moves.unknowns.any():
         unknowns_in = entries.values(entries.coordinates(cycle.unknowns_in) + by * moves.unknowns, cycle.unknowns_in)
         at = all_directions.meeting(direction, unknowns_in)
-    pitch.put_with_cells(at, by, response.cells)
+    pitch.put(at)
+    pitch.period.move_cells(by, response.cells)
 
     def fill() -> None:
-        edges, moved = direction.change.edges, response.events @ pitch.events_move
-        edges = pitch.slices.edges + by * (moved if edges is None else moved + edges)
+        edges, moved = direction.change.edges, response.events @ pitch.events.moves(pitch.mesh.edges)
+        edges = pitch.mesh.edges + by * (moved if edges is None else moved + edges)
         pitch.install_life(all_directions.life + by * moves.life(), edges)
 
     turning = None

@@ -26,14 +26,8 @@ from screwsim.derivatives.around import (
     problem_at,
     shift_size,
 )
-from screwsim.derivatives.collocation import (
-    FINE,
-    CollocatedCycle,
-    Fineness,
-    NotClosed,
-    collocated,
-    collocated_nearby,
-)
+from screwsim.derivatives.collocated_cycle import CollocatedCycle, NotClosed
+from screwsim.derivatives.collocation import FINE, Fineness, collocated, collocated_nearby
 from screwsim.derivatives.directions import Direction, Directions, Structural
 from screwsim.derivatives.driven import closed_with_drive
 from screwsim.derivatives.linear import Response
@@ -70,36 +64,56 @@ def derivatives(
 
     `values` are the numbers [SI] at the paths, `built` the parts and composer of the scene's series.
     """
-    problem, all_directions, series = cycle.pitch.problem, Directions(cycle), Series(built)
+    all_directions, series = Directions(cycle), Series(built)
     around = _by_surroundings(all_directions, series)
-    directions, refused = {}, {}
-    for path, value in values.items():
-        try:
-            found = all_directions.of(number_shifted(problem, series, path, value), STEP)
-            if moves_an_end(problem, found.problem):
-                raise Structural(AT_END)
-            directions[path] = found
-        except (Structural, UsageError) as why:
-            refused[path] = str(why)
-    every = [*around, *directions.values()]
+    own, refused = _by_values(all_directions, series, values)
+    every = [*around, *own.values()]
     if not every:
         return {}, refused
-    (every, moves), read = closed_with_drive(all_directions, every), []
-    peak = peak_step(unshifted_evaluation(all_directions))
-    states, after = cycle.nodes.__getitem__, cycle.pitch.after(cycle.nodes)
-    turn = None if peak is None else PeakPlace(*peak, in_step(cycle.pitch, cycle.start, states, after, peak[0]))
-    here = _readings_of(unshifted_evaluation(all_directions, turn), bool(around))
-    for j, direction in enumerate(every):
-        there = _readings_of(shifted_evaluation(all_directions, direction, moves.by(j), turn), bool(around))
-        both = [name for name in there.figures if name in here.figures]
-        figures = {name: (there.figures[name] - here.figures[name]) / direction.step for name in both}
-        read.append(SideReadings(figures, (there.asked - here.asked) / direction.step))
-    through, own = read[: len(around)], dict(zip(directions, read[len(around) :], strict=True))
-    slopes = {}
-    for path, each in own.items():
-        closed = _with_response(each, through, open_coordinates(problem))
+    read, rows = _differences(all_directions, every, bool(around)), open_coordinates(cycle.pitch.problem)
+    through, slopes = read[: len(around)], {}
+    for path, each in zip(own, read[len(around) :], strict=True):
+        closed = _with_response(each, through, rows)
         slopes[path] = {name: slope / shift_size(values[path]) for name, slope in closed.items()}
     return slopes, refused
+
+
+def _by_values(
+    all_directions: Directions, series: Series, values: Mapping[str, float]
+) -> tuple[dict[str, Direction], dict[str, str]]:
+    """Return the directions of numbers [SI] by path, and why some paths have none."""
+    problem, found, refused = all_directions.cycle.pitch.problem, {}, {}
+    for path, value in values.items():
+        try:
+            direction = all_directions.of(number_shifted(problem, series, path, value), STEP)
+            if moves_an_end(problem, direction.problem):
+                raise Structural(AT_END)
+            found[path] = direction
+        except (Structural, UsageError) as why:
+            refused[path] = str(why)
+    return found, refused
+
+
+def _differences(all_directions: Directions, directions: Sequence[Direction], around: bool) -> list[SideReadings]:
+    """Return the derivatives of figures along directions, with `around` also those of what the cycle implies."""
+    directions, moves = closed_with_drive(all_directions, directions)
+    turn = _peak_place(all_directions)
+    here, found = _readings_of(unshifted_evaluation(all_directions, turn), around), []
+    for j, direction in enumerate(directions):
+        there = _readings_of(shifted_evaluation(all_directions, direction, moves.by(j), turn), around)
+        both = [name for name in there.figures if name in here.figures]
+        figures = {name: (there.figures[name] - here.figures[name]) / direction.step for name in both}
+        found.append(SideReadings(figures, (there.asked - here.asked) / direction.step))
+    return found
+
+
+def _peak_place(all_directions: Directions) -> PeakPlace | None:
+    """Return where in a step the cycle's highest pressure lies; None where that is at an end of its range."""
+    step, cycle = peak_step(unshifted_evaluation(all_directions)), all_directions.cycle
+    if step is None:
+        return None
+    states, after = cycle.nodes.__getitem__, cycle.pitch.after(cycle.nodes)
+    return PeakPlace(*step, in_step(cycle.pitch, cycle.start, states, after, step[0]))
 
 
 def _by_surroundings(all_directions: Directions, series: Series) -> list[Direction]:

@@ -14,7 +14,7 @@ from functools import partial
 import numpy as np
 
 from screwsim.codegen.modules import of_kernels
-from screwsim.derivatives.slices import INTEGRALS
+from screwsim.derivatives.radau import INTEGRALS
 from screwsim.numerics.kernel import kernel
 
 LITTLE = 24  # rows of a matrix up to which columns are eliminated one by one

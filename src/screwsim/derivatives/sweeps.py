@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from screwsim.codegen.modules import of_kernels
-from screwsim.derivatives.slices import INTEGRALS, SHARES
+from screwsim.derivatives.radau import INTEGRALS, SHARES
 from screwsim.numerics.kernel import kernel
 
 X0, X1 = SHARES[:-1].tolist()

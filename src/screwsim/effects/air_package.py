@@ -12,8 +12,8 @@ water that condenses on its way (M360), which is drained where it falls out (M36
 Source: ISO 1217:2009 with amendment 1:2016 (terms; isentropic power with the exponent 1.4 of air); turbulent loss
 (textbook). The parts have no default losses: the scene states them.
 Assumptions: losses do not depend on density, so they belong to one pressure level; nothing leaks, and nothing but
-condensate drains, between the machine and the outlet; the cooling air has the temperature of the inlet; the fan's power
-heats that air.
+condensate drains, between the machine and the outlet; what cools the aftercooler is as warm as the inlet unless another
+temperature is stated; the fan's power heats the cooling air.
 Other figures, and the ledger, are those of the machine, from the inlet to the pressure to which it discharges.
 Parameters: rated_flow; inlet_filter, inlet_valve, separator_element, minimum_pressure_valve, aftercooler, fan; state,
 unloaded.
@@ -114,9 +114,17 @@ class Aftercooler(PressureLoss):
 
     approach: float = quantity(
         "temperature_difference",
-        "temperature of the air leaving it, less that at the package's inlet",
+        "temperature of the air leaving it, less that of its coolant",
         ge=0.0,
         hardly=(1.0, 30.0),
+    )
+    coolant_temperature: float | None = quantity(
+        "temperature",
+        "temperature of the water or air that cools it (absent: that of the package's inlet)",
+        None,
+        ge=200.0,
+        le=500.0,
+        hardly=(250.0, 330.0),
     )
 
 
@@ -171,7 +179,10 @@ class Parameters(LosesPressure):
 
         None where there is no aftercooler.
         """
-        return None if self.aftercooler is None else min(T, inlet + self.aftercooler.approach)
+        if self.aftercooler is None:
+            return None
+        coolant = self.aftercooler.coolant_temperature
+        return min(T, (inlet if coolant is None else coolant) + self.aftercooler.approach)
 
     def rated(self, *names: str) -> float:
         """Return the pressure loss [Pa] of the named parts at rated flow."""

@@ -21,6 +21,7 @@ from math import pi
 from screwsim.effects.base import Effect, Faults, FlowPath, Resistance
 from screwsim.effects.parts import gap_flow
 from screwsim.effects.parts.gap import (
+    AREA_TABLE,
     GapParameters,
     check_defaults,
     check_formula,
@@ -132,5 +133,5 @@ EFFECT = Effect(
     check=check,
     needs=frozenset({BLOW_HOLE}),
     usual={ROTORS: LEAK},
-    sizes=(Sized("area", SQUARE, 0.2, (0.0, 0.02)), Sized("suction_area", SQUARE, 0.2, (0.0, 0.04))),
+    sizes=(Sized("area", SQUARE, 0.2, (0.0, 0.02)), Sized("suction_area", SQUARE, 0.2, (0.0, 0.04)), AREA_TABLE),
 )

@@ -14,9 +14,8 @@ from dataclasses import dataclass
 from screwsim.effects.base import DISCHARGE, SUCTION, Effect, Faults, FlowPath, Reading
 from screwsim.effects.parts.gap import flow_coefficient
 from screwsim.effects.parts.usual import WAY_IN, WAY_OUT, Sized
-from screwsim.effects.parts.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
+from screwsim.effects.parts.valves import SIDES, VALVE_LOSSES, port_area, stated_once, valve_losses
 from screwsim.inputs.declare import quantity
-from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import CYLINDER, PISTON
 from screwsim.numerics.kernel import kernel
 
@@ -60,10 +59,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath | Reading]:
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    if "reed_valves" in facts.effects:
-        yield Fault(
-            "effects.check_valves", "are simulated together with reed_valves, the same valves twice (remove one)"
-        )
+    yield from stated_once("check_valves", "reed_valves", facts)
 
 
 EFFECT = Effect(

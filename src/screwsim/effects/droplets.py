@@ -15,7 +15,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from screwsim.effects.base import Around, Effect, Faults, HeatRate, Reading
-from screwsim.effects.parts.gas_transport import declared_gas_viscosity, gas_faults, gas_numbers
+from screwsim.effects.parts.gas_transport import (
+    declared_gas_conductivity,
+    declared_gas_viscosity,
+    gas_faults,
+    gas_numbers,
+)
 from screwsim.effects.parts.usual import OIL_HEAT, Sized
 from screwsim.inputs.declare import choice, number, optional, quantity
 from screwsim.inputs.faults import Fault
@@ -54,9 +59,7 @@ class Parameters:
     )
     reference_pressure: float | None = optional("pressure", "pressure at which lambda, mu, Pr of the gas are evaluated")
     reference_temperature: float | None = optional("temperature", "temperature at which they are evaluated")
-    gas_conductivity: float | None = quantity(
-        "thermal_conductivity", "lambda of the gas (default: from CoolProp)", None, gt=0.0, le=10.0, hardly=(1e-3, 1.0)
-    )
+    gas_conductivity: float | None = declared_gas_conductivity()
     gas_viscosity: float | None = declared_gas_viscosity()
     prandtl: float | None = number("Pr of the gas (default: from CoolProp)", None, gt=0.0, le=1e3, hardly=(0.1, 10.0))
 

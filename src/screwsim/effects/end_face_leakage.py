@@ -15,7 +15,15 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.effects.base import Effect, Faults, FlowPath
-from screwsim.effects.parts.gap import ClearanceParameters, check_defaults, check_gap, gap_path, profile_paths, ramp
+from screwsim.effects.parts.gap import (
+    AREA_TABLE,
+    ClearanceParameters,
+    check_defaults,
+    check_gap,
+    gap_path,
+    profile_paths,
+    ramp,
+)
 from screwsim.effects.parts.gap_flow import numbers
 from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import number, optional
@@ -74,5 +82,5 @@ EFFECT = Effect(
     numbers=numbers,
     needs=frozenset({END_GAP}),
     usual={ROTORS: LEAK},
-    sizes=(Sized("gap", LOBE, 1.0, (0.0, 0.1)), Sized("length", SPAN, 30.0, (0.01, 3.0))),
+    sizes=(Sized("gap", LOBE, 1.0, (0.0, 0.1)), Sized("length", SPAN, 30.0, (0.01, 3.0)), AREA_TABLE),
 )

@@ -19,6 +19,7 @@ from math import pi
 
 from screwsim.effects.base import Effect, Faults, FlowPath
 from screwsim.effects.parts.gap import (
+    AREA_TABLE,
     BIRTH,
     ClearanceParameters,
     check_formula,
@@ -116,5 +117,6 @@ EFFECT = Effect(
         Sized("gap", LOBE, 1.0, (0.0, 0.1)),
         Sized("length", SPAN, 30.0, (0.05, 3.0)),
         Sized("tip_length", SPAN, 30.0, (0.0, 2.0)),
+        AREA_TABLE,
     ),
 )

@@ -18,9 +18,8 @@ from functools import cache
 from screwsim.effects.base import ChamberState, Effect, Faults, FlowPath, Reading, Stops
 from screwsim.effects.parts.gap import flow_coefficient
 from screwsim.effects.parts.usual import WAY_IN, WAY_OUT, Sized
-from screwsim.effects.parts.valves import SIDES, VALVE_LOSSES, port_area, valve_losses
+from screwsim.effects.parts.valves import SIDES, VALVE_LOSSES, port_area, stated_once, valve_losses
 from screwsim.inputs.declare import number, quantity
-from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import BORE, CYLINDER, PISTON
 from screwsim.numerics.kernel import Kernel, kernel
 from screwsim.outputs import Trace
@@ -139,10 +138,7 @@ def build(parameters: Parameters, machine) -> list[FlowPath | ChamberState | Sto
 
 
 def check(parameters: Parameters, facts) -> Faults:
-    if "check_valves" in facts.effects:
-        yield Fault(
-            "effects.reed_valves", "are simulated together with check_valves, the same valves twice (remove one)"
-        )
+    yield from stated_once("reed_valves", "check_valves", facts)
 
 
 EFFECT = Effect(

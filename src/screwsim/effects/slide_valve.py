@@ -123,6 +123,10 @@ EFFECT = Effect(
     check_geometry=check_geometry,
     needs=frozenset({ROTORS}),
     roles={SLIDES: ".position"},
-    sizes=(Sized("slot_area", SHELL, WIDEST, (0.0, 0.5)), Sized("radial_area", SHELL, WIDEST, (0.0, 0.5))),
+    sizes=(
+        Sized("slot_area", SHELL, WIDEST, (0.0, 0.5)),
+        Sized("radial_area", SHELL, WIDEST, (0.0, 0.5)),
+        Sized("area_file", SHELL, WIDEST, (0.0, 0.5)),
+    ),
     in_expander="never",
 )

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from math import pi
 
 from screwsim.effects.base import Effect, Faults, FlowPath
-from screwsim.effects.parts.gap import BIRTH, ClearanceParameters, check_gap, gap_path, profile_paths
+from screwsim.effects.parts.gap import AREA_TABLE, BIRTH, ClearanceParameters, check_gap, gap_path, profile_paths
 from screwsim.effects.parts.gap_flow import numbers
 from screwsim.effects.parts.usual import LEAK, Sized
 from screwsim.inputs.declare import choice
@@ -76,5 +76,5 @@ EFFECT = Effect(
     numbers=numbers,
     needs=frozenset({TIP_GAP}),
     usual={ROTORS: LEAK},
-    sizes=(Sized("gap", LOBE, 1.0, (0.0, 0.1)),),
+    sizes=(Sized("gap", LOBE, 1.0, (0.0, 0.1)), AREA_TABLE),
 )

@@ -17,7 +17,12 @@ from functools import partial
 from typing import Any
 
 from screwsim.effects.base import Around, Effect, Faults, Made, Reading, Site, Turn, Wall
-from screwsim.effects.parts.gas_transport import declared_gas_viscosity, gas_faults, gas_numbers
+from screwsim.effects.parts.gas_transport import (
+    declared_gas_conductivity,
+    declared_gas_viscosity,
+    gas_faults,
+    gas_numbers,
+)
 from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import number, optional, quantity
 from screwsim.inputs.faults import Fault
@@ -66,9 +71,7 @@ class Parameters:
     housing_temperature: float | None = fixed_temperature("found from its heat balance")
     reference_pressure: float | None = optional("pressure", "pressure at which lambda, mu of the gas are evaluated")
     reference_temperature: float | None = optional("temperature", "temperature at which they are evaluated")
-    gas_conductivity: float | None = quantity(
-        "thermal_conductivity", "lambda of the gas (default: from CoolProp)", None, gt=0.0, le=10.0, hardly=(1e-3, 1.0)
-    )
+    gas_conductivity: float | None = declared_gas_conductivity()
     gas_viscosity: float | None = declared_gas_viscosity()
 
 

@@ -17,10 +17,10 @@ from screwsim.evaluate.separator import Circuit
 from screwsim.figures.errors import LEAST_FILLING, worst
 from screwsim.fluid.orifice import outside_fit
 from screwsim.inputs.faults import UsageError
-from screwsim.model.compose import LINES
+from screwsim.model.parts import Parts
 from screwsim.model.slots import R_OIL_BEFORE
 from screwsim.outputs import Figures
-from screwsim.outputs.customary import celsius
+from screwsim.outputs.customary import celsius, in_bar
 from screwsim.scene.plausible import scene_warnings
 from screwsim.scene.types import FoundWithCycle
 
@@ -33,43 +33,61 @@ LOST, LOST_DRY = 0.02, 0.05  # of the shaft power: heat to suction, or from outs
 
 def warnings(of: Evaluation) -> Iterator[str]:
     """Yield warnings on oil, effects and flow."""
-    problem, found = of.problem, of.figures
-    parts, supply = problem.parts, problem.scene.oil_supply
-    if (
-        supply is not None
-        and supply.pumped
-        and parts.oil_port is None
-        and not parts.geometry.expands  # whose oil comes in with the gas
-        and (ratio := found["oil_ratio"])
-        and ratio > (supply.ratio or 0) * (1 + 1e-9) + LEAST_OIL
-    ):
+    for caution in CAUTIONS:
+        yield from caution(of)
+
+
+def _more_oil_than_asked(of: Evaluation) -> Iterator[str]:
+    """Yield a warning where leaks bring more oil than a pump is to, so that it injects none."""
+    parts, supply, ratio = of.problem.parts, of.problem.scene.oil_supply, of.figures.get("oil_ratio")
+    if supply is None or not supply.pumped or parts.oil_port is not None or parts.geometry.expands:
+        return  # an expander's oil comes in with the gas
+    if ratio and ratio > (supply.ratio or 0) * (1 + 1e-9) + LEAST_OIL:
         yield (
             f"leaks already bring more oil ({of.life.R[R_OIL_BEFORE]:.3g} kg) into the chamber than oil_supply.ratio "
             f"asks for; no oil is injected, and the ratio is {ratio:.4g}"
         )
-    yield from _oil_exceeds_chamber(of)
-    yield from _unfitted_bore(of)
-    yield from _open_to_suction(of)
-    yield from _lost_to_suction(of)
-    yield from _warmed_from_outside(of)
-    yield from late_valves.warnings(of)
-    yield from _separator_warnings(of)
-    yield from humidity.warnings(of)
-    yield from open_values.warnings(problem.scene, found)
-    for active in problem.scene.effects.values():
-        yield from active.effect.warnings(found) if active.effect.warnings else ()
+
+
+def _open_values(of: Evaluation) -> Iterator[str]:
+    """Yield the warnings of open numbers at an end of their range."""
+    yield from open_values.warnings(of.problem.scene, of.figures)
+
+
+def _of_effects(of: Evaluation) -> Iterator[str]:
+    """Yield the effects' own warnings on the figures."""
+    for active in of.problem.scene.effects.values():
+        yield from active.effect.warnings(of.figures) if active.effect.warnings else ()
+
+
+def _sucks(parts: Parts) -> bool:
+    """Return whether the chambers have a way to the suction line; if not, the doubts about the scene say so."""
+    return SUCTION in plausible.lines_met(parts)
+
+
+def _nothing_delivered(of: Evaluation) -> Iterator[str]:
+    """Yield a warning where no net gas is delivered, with a valve that stays shut or without."""
+    parts, flow = of.problem.parts, of.figures["gas_mass_flow"]
     idle = [part.idle for part in parts.pulsations if part.shut is not None]
-    flow, sucks = found["gas_mass_flow"], LINES[0] in plausible.lines_met(parts)  # otherwise the scene's doubts say why
     if flow == 0.0 and idle:
         nothing = "takes in nothing" if parts.plenums else "delivers nothing"
         yield idle[0].format(nothing=nothing) or f"a valve stays shut: the machine {nothing}"
-    elif flow is not None and flow <= 0.0 and sucks:
+    elif flow is not None and flow <= 0.0 and _sucks(parts):
         yield (
             "no net gas is delivered; gas that flows in from the discharge line, beyond what flowed out, is taken at "
             "operation.discharge.temperature, or if that is not given at the temperature of isentropic compression"
         )
-    yield from little_flow(problem.scene.numerics.accuracy, found)
-    if flow is not None and flow < 0.0 and of.problem.suction.changed and sucks:
+
+
+def _little_flow(of: Evaluation) -> Iterator[str]:
+    """Yield the warning of `little_flow`."""
+    yield from little_flow(of.problem.scene.numerics.accuracy, of.figures)
+
+
+def _flows_back_through_intake(of: Evaluation) -> Iterator[str]:
+    """Yield a warning where gas flows back through what changes it before the machine."""
+    flow = of.figures["gas_mass_flow"]
+    if flow is not None and flow < 0.0 and of.problem.suction.changed and _sucks(of.problem.parts):
         yield (
             "gas flows back to the suction line, but throttle, filter and bypass before the machine are modelled for "
             "inflow only (choose smaller leaks or a higher speed, or leave them out)"
@@ -210,7 +228,8 @@ def _open_to_suction(of: Evaluation) -> Iterator[str]:
         if opens < ends - OPEN_TO_SUCTION:
             yield (
                 f"effects.{name}: its port opens at {math.degrees(opens):.4g} deg, before {what} ends at "
-                f"{math.degrees(ends):.4g} deg: what it lets in displaces suction gas ({remedy})"
+                f"{math.degrees(ends):.4g} deg: what it lets in at {in_bar(plenum.p)} displaces suction gas of "
+                f"{in_bar(p_s)} ({remedy})"
             )
 
 
@@ -221,6 +240,13 @@ def _last_open(path: FlowPath) -> float:
     if not path.tables:
         return max(path.breakpoints, default=0.0)
     return max(float(np.max(angles[areas > 0.0], initial=0.0)) for angles, areas, *_ in path.tables.values())
+
+
+CAUTIONS = (  # in the order in which they are told
+    *(_more_oil_than_asked, _oil_exceeds_chamber, _unfitted_bore, _open_to_suction, _lost_to_suction),
+    *(_warmed_from_outside, late_valves.warnings, _separator_warnings, humidity.warnings, _open_values, _of_effects),
+    *(_nothing_delivered, _little_flow, _flows_back_through_intake),
+)
 
 
 def inaccurate(wanted: float, error: Figures) -> tuple[str, ...]:

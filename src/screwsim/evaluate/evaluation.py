@@ -1,29 +1,36 @@
 """A closed cycle as it is evaluated: what several readers need is computed once, on first use."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from screwsim.cycle.balances import LEAST_WORK, Residuals, residuals, streams_of
-from screwsim.cycle.cycle_figures import (
-    CycleFigures,
-    cycle_figures,
-    lazy_pitch,
-    power_losses,
-    shaft_power,
+from screwsim.cycle import suction_line
+from screwsim.cycle.balances import (
+    LEAST_WORK,
+    Outflow,
+    Residuals,
+    flow_past_suction_port,
+    outflow_of,
+    residuals,
+    streams_of,
 )
+from screwsim.cycle.cycle_figures import CycleFigures, cycle_figures, lazy_pitch
 from screwsim.cycle.feedback import LineInflow, image, turn_of
 from screwsim.cycle.held_work import missed_work
 from screwsim.cycle.pitch import Pitch
+from screwsim.cycle.powers import Powers, powers_of
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import CycleSolution
-from screwsim.effects.base import Reading, Turn
+from screwsim.cycle.suction_line import Stream
+from screwsim.effects.base import SUCTION, Plenum, Reading, Turn
 from screwsim.evaluate.figures import Read, figures_of
-from screwsim.evaluate.separator import Circuit, Package, circuit_of, package_residual
+from screwsim.evaluate.package import Package, package_residual
+from screwsim.evaluate.separator import Circuit, circuit_of
 from screwsim.figures import Performance
-from screwsim.model.slots import Q_HEAT, Q_WORK, R_INJECTED, R_TRAPPED
+from screwsim.fluid.reservoir import Reservoir
+from screwsim.model.slots import ENTHALPY, FIRST_OWN, OF_GAS, Q_HEAT, Q_WORK, R_DISCHARGE, R_INJECTED, R_TRAPPED
 from screwsim.model.trajectory import Array, Trajectory
 from screwsim.model.turn_scheduler import reach_station
-from screwsim.numerics.frozen import fast_init
+from screwsim.numerics.frozen import fast_init, with_changes
 from screwsim.numerics.identity_cache import once
 from screwsim.outputs import Figures
 
@@ -48,6 +55,48 @@ class Evaluation:
     def streams(self) -> Array:
         """The sums over the life by category (`cycle.balances.streams_of`)."""
         return streams_of(self.problem.composition, self.q)
+
+    @once
+    def outflow(self) -> Outflow | None:
+        """The mean outflow to discharge; None where nothing flows out."""
+        return outflow_of(self.streams)
+
+    @once
+    def fresh_gas(self) -> float:
+        """The net gas [kg] that the suction line takes in per life, by the flows through its ports."""
+        return suction_line.fresh_gas(self.problem, self.life.R, self.streams)
+
+    @once
+    def leak(self) -> Stream:
+        """The leak from the discharge to the suction line beside the chambers, per life (M274)."""
+        return suction_line.leak(self.problem, self.life.R)
+
+    @property
+    def h_d(self) -> float:
+        """The enthalpy [J/kg] of the gas in the discharge line."""
+        return float(self.life.R[R_DISCHARGE + ENTHALPY])
+
+    @once
+    def gas_flow(self) -> float:
+        """The net gas flow [kg/s]: from the suction line, without what a bypass returns to it (M163)."""
+        if _shut(self.problem, self.known.turn):
+            return 0.0
+        sucked = self.fresh_gas + flow_past_suction_port(self.problem, self.life)
+        return (1.0 - self.problem.suction.returned) * (sucked * self.problem.rate) + 0.0  # turns −0 into 0
+
+    @once
+    def drawn(self) -> dict[str, float]:
+        """The net gas flow [kg/s] from each own plenum, by its name."""
+        own = self.streams[2 * FIRST_OWN :, OF_GAS].reshape(-1, 2)
+        flows = [float(into + back) * self.problem.rate for into, back in own]
+        return dict(zip(self.problem.parts.plenums, flows, strict=True))
+
+    @once
+    def products(self) -> list[tuple[float, Reservoir]]:
+        """The net flow [kg/s] and state of each own plenum whose gas is a product (M101)."""
+        parts = self.problem.parts
+        names = {part.name for _, part in parts.all(Plenum) if part.product}
+        return [(self.drawn[name], state) for name, state in parts.plenums.items() if name in names]
 
     @once
     def turn(self) -> Turn:
@@ -79,9 +128,9 @@ class Evaluation:
         return cycle_figures(self.problem, self.life, self.q, self.lazy_pitch, turn)
 
     @once
-    def losses(self) -> dict[str, float]:
-        """The power losses [W] besides the gas work."""
-        return power_losses(self.problem.parts, self.known)
+    def powers(self) -> Powers:
+        """The powers of gas, oil, losses and shaft."""
+        return powers_of(self.problem.parts, self.known)
 
     @once
     def circuit(self) -> Circuit | str | None:
@@ -110,7 +159,7 @@ class Evaluation:
     @property
     def complete(self) -> CycleFigures:
         """What a shaft may use of the cycle: the known quantities with the shaft power."""
-        return replace(self.known, shaft_power=shaft_power(self.problem.parts, self.known))
+        return with_changes(self.known, found={"shaft_power": self.powers.shaft})
 
     @property
     def least(self) -> tuple[float, float]:
@@ -138,6 +187,15 @@ def evaluate_life(
     return Evaluation(problem, life, q, left, unknowns_out)
 
 
+def _shut(problem: Problem, turn: Turn | None) -> bool:
+    """Return whether a check valve stays shut, so that nothing comes in from the suction line but rounding.
+
+    A shut discharge line has that effect where the gas has no other way out.
+    """
+    lines = [part for part in problem.parts.pulsations if part.to == SUCTION or not problem.parts.plenums]
+    return turn is not None and any(part.shut is not None and part.shut(turn) for part in lines)
+
+
 def balance(of: Evaluation) -> Figures:
     """Return the balances of a closed cycle (contract: balance)."""
     problem, c, oil = of.problem, of.problem.composition, of.problem.parts.oil
@@ -150,9 +208,13 @@ def balance(of: Evaluation) -> Figures:
     return Figures(mass=left.mass, energy=left.energy, oil_mass=oil_mass, oil_residue=residual, bound=bound)
 
 
-def loss_torque(of: Evaluation, omega: float) -> float:
-    """Return the torque [N m] of losses and oil lift at a mean speed [rad/s], from one pitch's quadratures (M213)."""
+def loss_torque(of: Evaluation, omega: float) -> tuple[float, float]:
+    """Return the torque of losses and oil lift, and that of the lift alone [N m], at a mean speed [rad/s] (M213).
+
+    They follow from one pitch's quadratures.
+    """
     share = omega / of.problem.parts.omega
     names = ("tip_speed", "indicated_power", "oil_mass_flow", "oil_volume_flow", "leaked_oil_flow", "drag_power")
-    known = replace(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})
-    return (shaft_power(of.problem.parts, known) - known.indicated_power) / omega
+    known = with_changes(of.known, omega=omega, **{name: share * getattr(of.known, name) for name in names})
+    powers = powers_of(of.problem.parts, known)
+    return (powers.shaft - known.indicated_power) / omega, powers.lift / omega

@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from screwsim.build import build_site
 from screwsim.cycle import suction_line
-from screwsim.cycle.balances import flow_past_suction_port, heat_flowing_back, outflow_dissolved_gas, outflow_of
-from screwsim.cycle.cycle_figures import brought_by_oil, oil_lift
+from screwsim.cycle.balances import heat_flowing_back, outflow_dissolved_gas, walls_of
+from screwsim.cycle.powers import brought_by_oil
 from screwsim.cycle.problem import Problem
 from screwsim.effects import having
-from screwsim.effects.base import DISCHARGE, SUCTION, Drawn, FlowPath, Given, Plenum, Separator, Turn
+from screwsim.effects.base import DISCHARGE, SUCTION, Drawn, FlowPath, Given, Plenum, Separator
 from screwsim.effects.parts.usual import SLIDES
 from screwsim.evaluate import humidity, performance
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, figures_declared_elsewhere
-from screwsim.fluid.reservoir import Reservoir
 from screwsim.machine.settings import TURN
 from screwsim.model import slots
 from screwsim.model.parts import Parts
@@ -44,20 +43,11 @@ WHY_NONE = {
 
 def figures_of(of: Evaluation) -> Read:
     """Return the performance figures of an evaluated life, and the reasons for those that are None."""
-    problem, life, known, streams = of.problem, of.life, of.known, of.streams
+    problem, parts, shaft = of.problem, of.problem.parts, of.powers.shaft
     about: dict[str, Figure] = dict(problem.called)  # joined by figures whose declaration an effect borrows
-    parts, rate = problem.parts, problem.rate
-    delivered = 0.0 if _shut(problem, known.turn) else 1.0 - problem.suction.returned  # share not returned (M163)
-    sucked = suction_line.fresh_gas(problem, life.R, streams) + flow_past_suction_port(problem, life)
-    flow = delivered * (sucked * rate) + 0.0  # + 0.0 turns −0 into 0
-    lift = oil_lift(parts, known) if parts.oil is not None else None
-    shaft = known.indicated_power + (lift or 0.0) + sum(of.losses.values())
     reach_station()
-    drawn = performance.plenum_products(parts, streams, rate)
-    mean = outflow_of(streams)
-    leaving = None if mean is None else mean.enthalpy
-    found: dict[str, Any] = {**of.losses, **_of_machine(of, leaving, flow)}
-    found |= {"indicated_power": known.indicated_power, "shaft_power": shaft, "shaft_torque": shaft / parts.omega}
+    found: dict[str, Any] = {**of.powers.losses, **_of_machine(of)}
+    found |= {"indicated_power": of.powers.gas, "shaft_power": shaft, "shaft_torque": shaft / parts.omega}
     notes = dict(WHY_NONE)
 
     def take(given: Given) -> None:
@@ -65,55 +55,44 @@ def figures_of(of: Evaluation) -> Read:
         found.update(own)
         notes.update(reasons)
 
-    take(performance.efficiencies(parts.gas, problem.lines, problem.inlet, flow, shaft, drawn))
+    take(performance.efficiencies(parts.gas, problem.lines, problem.inlet, of.gas_flow, shaft, of.products))
     reach_station()
     if parts.oil is not None:
-        found |= _of_oil(of, flow) | {"oil_lift_power": lift}
+        found |= _of_oil(of) | {"oil_lift_power": of.powers.lift}
     if of.circuit is not None and parts.all(Separator):
         take(_of_circuit(problem, of.circuit))
     if parts.dissolves:
-        found["discharge_dissolved_gas_ratio"] = outflow_dissolved_gas(streams)
-    take(_of_plenums(of, sucked, about))
+        found["discharge_dissolved_gas_ratio"] = outflow_dissolved_gas(of.streams)
+    take(_of_plenums(of, about))
     reach_station()
     take(humidity.figures(of, found))
     take(performance.refrigeration(found, problem.inlet.density, _refrigerating_effect(problem, found)))
     if problem.refrigerating_effect is not None:
-        condensed, rejected = flow + sum(net for net, _ in drawn), _condenser_heat(of, leaving)
-        beyond = performance.beyond_suction_gas(problem.scene, problem.inlet.enthalpy, drawn)
-        lacking = sum(found.get(part.lacking) or 0.0 for _, part in parts.all(Plenum))
-        beyond = beyond if isinstance(beyond, str) else beyond - lacking
-        take(performance.heating(found, condensed, rejected, beyond))
-    take(performance.saturation_figures(problem, found))
+        take(_of_condenser(of, found))
+    leaving = None if of.outflow is None else of.outflow.enthalpy
+    take(performance.saturation_figures(problem, found, leaving))
     if "intake_pressure" in problem.called:
-        found["intake_pressure"] = problem.suction.pressure
-        found["intake_temperature"] = _intake_temperature(of)
+        found |= {"intake_pressure": problem.suction.pressure, "intake_temperature": _intake_temperature(of)}
     if parts.suction_line:
-        found |= _of_suction_line(of, suction_line.suction_heat(problem, shaft))
+        found |= _of_suction_line(of)
     if parts.geometry.expands:
-        take(_of_expander(of, found, drawn))
-        T_oil = problem.lines.T_s if parts.oil is None else parts.oil.temperature
-        back = 0.0 if parts.suction_line else heat_flowing_back(problem, streams, T_oil)  # the line brings it again
-        found["inlet_backflow_heat"] = back
+        take(_of_expander(of, found))
     if parts.walls:
-        found["wall_heat"] = float(of.q[slots.Q_WALLS : slots.Q_WALLS + 2 * len(parts.walls) : 2].sum()) * rate
-    take(performance.readings(parts, known, found))
+        found["wall_heat"] = float(walls_of(problem.composition, of.q)[:, 0].sum()) * problem.rate
+    take(performance.readings(parts, of.known, found))
     values = dict(zip(about, map(found.get, about), strict=True))
     none = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
     return Performance(values, about), none
 
 
-def _of_machine(of: Evaluation, leaving: float | None, flow: float) -> dict[str, float | None]:
-    """Return the figures that every machine has, besides powers and efficiencies.
-
-    `leaving` is the mean enthalpy [J/kg] of the outflow to discharge, None without one; `flow` the net gas flow
-    [kg/s].
-    """
+def _of_machine(of: Evaluation) -> dict[str, float | None]:
+    """Return the figures that every machine has, besides powers and efficiencies."""
     problem, life, geometry = of.problem, of.life, of.problem.parts.geometry
     parts, lines, rate = problem.parts, problem.lines, problem.rate
     return {
-        "volumetric_efficiency": flow / (problem.inlet.density * geometry.swept_volume * rate),
-        "gas_mass_flow": flow,
-        "discharge_temperature": None if leaving is None else parts.gas.temperature(lines.p_d, leaving),
+        "volumetric_efficiency": of.gas_flow / (problem.inlet.density * geometry.swept_volume * rate),
+        "gas_mass_flow": of.gas_flow,
+        "discharge_temperature": None if of.outflow is None else parts.gas.temperature(lines.p_d, of.outflow.enthalpy),
         "peak_pressure": life.peak_pressure(geometry.life if geometry.expands else geometry.widest_discharge()),
         "work_per_cycle": float(of.q[slots.Q_WORK]),
         "trapped_mass": float(life.R[slots.R_TRAPPED]),
@@ -152,23 +131,27 @@ def _refrigerating_effect(problem: Problem, found: Mapping[str, Any]) -> float |
     return None if effect is None else effect * (1.0 + gain)
 
 
-def _of_expander(of: Evaluation, found: dict[str, Any], drawn: Sequence[tuple[float, Reservoir]]) -> Given:
-    """Return the figures that an expander has in place of a compressor's; `drawn` as in `performance.efficiencies`."""
+def _of_expander(of: Evaluation, found: dict[str, Any]) -> Given:
+    """Return the figures that an expander has in place of a compressor's."""
     problem, geometry, closes = of.problem, of.problem.parts.geometry, of.problem.parts.geometry.inlet_closes
     filled = None if closes is None else problem.inlet.density * of.life.volume(closes)  # where the inlet closes
     filled = None if filled is None else filled * problem.parts.omega / geometry.pitch
-    own = float(found["gas_mass_flow"]) * (problem.h_isentropic - problem.inlet.enthalpy)
+    own = of.gas_flow * (problem.h_isentropic - problem.inlet.enthalpy)
     work = problem.parts.gas.isentropic_work_of_enthalpy  # of what own plenums add; negative for what expands (M101)
-    power = own + sum(net * work(state.p, problem.lines.p_d, state.h) for net, state in drawn)
+    power = own + sum(net * work(state.p, problem.lines.p_d, state.h) for net, state in of.products)
     if problem.parts.oil is not None:
         power -= brought_by_oil(problem, of.known)
-    return performance.figures_of_expander(found, power, filled)
+    T_oil = problem.lines.T_s if problem.parts.oil is None else problem.parts.oil.temperature
+    kept = problem.parts.suction_line  # the line brings the heat again
+    back = {"inlet_backflow_heat": 0.0 if kept else heat_flowing_back(problem, of.streams, T_oil)}
+    return {**performance.figures_of_expander(found, power, filled), **back}
 
 
-def _of_oil(of: Evaluation, flow: float) -> dict[str, float | None]:
+def _of_oil(of: Evaluation) -> dict[str, float | None]:
     """Return the figures of the oil; its ratio is that at the injection angle, or at the end of a port's injection."""
     parts, life, known = of.problem.parts, of.life, of.known
-    ratio, port = known.oil_mass_flow / flow if flow > 0.0 else math.inf, parts.oil_port
+    flow, port = of.gas_flow, parts.oil_port
+    ratio = known.oil_mass_flow / flow if flow > 0.0 else math.inf
     d = life.R[slots.R_RATIO] if port is None else life.states_at(np.array([port.closes]))[0, slots.S_X_OIL]
     known_by_gas = parts.geometry.expands and not of.problem.composition.carried
     return {
@@ -182,45 +165,49 @@ def _of_oil(of: Evaluation, flow: float) -> dict[str, float | None]:
 
 def _intake_temperature(of: Evaluation) -> float:
     """Return the temperature [K] of the gas at the suction port, the line's own where nothing changes it."""
-    problem, life, suction = of.problem, of.life, of.problem.suction
+    problem, suction = of.problem, of.problem.suction
     if problem.parts.suction_line:
-        return problem.parts.gas.temperature(suction.pressure, float(life.R[slots.R_SUCTION + slots.ENTHALPY]))
-    return suction.temperature(suction.port_state(float(life.R[slots.R_DISCHARGE + slots.ENTHALPY])), problem.lines.T_s)
+        return problem.parts.gas.temperature(suction.pressure, float(of.life.R[slots.R_SUCTION + slots.ENTHALPY]))
+    return suction.temperature(suction.port_state(of.h_d), problem.lines.T_s)
 
 
-def _of_suction_line(of: Evaluation, heat: float) -> dict[str, float]:
-    """Return the flows back to the suction line, and the leaks to it that bypass the chambers (M270, M274).
-
-    `heat` [W] is what the fresh gas takes up before the line.
-    """
+def _of_suction_line(of: Evaluation) -> dict[str, float]:
+    """Return the flows back to the suction line, and the leaks to it that bypass the chambers (M270, M274)."""
     problem, rate, R = of.problem, of.problem.rate, of.life.R
-    back, leak = suction_line.backflow(problem, R, of.streams), suction_line.leak(problem, R)
-    fresh = suction_line.fresh_gas(problem, R, of.streams)
-    warmed = (
-        float(R[slots.R_SUCTION + slots.ENTHALPY])
-        - problem.suction.port_state(float(R[slots.R_DISCHARGE + slots.ENTHALPY]))[slots.ENTHALPY]
-    )
+    back, leak = suction_line.backflow(problem, R, of.streams), of.leak
+    heat = suction_line.suction_heat(problem, of.powers.shaft)
+    warmed = float(R[slots.R_SUCTION + slots.ENTHALPY]) - problem.suction.port_state(of.h_d)[slots.ENTHALPY]
     return {
         "returned_gas_flow": back.gas * rate,
         "returned_oil_flow": back.oil * rate,
-        "returned_heat": fresh * warmed * rate - heat if fresh > 0.0 else 0.0,
+        "returned_heat": of.fresh_gas * warmed * rate - heat if of.fresh_gas > 0.0 else 0.0,
         "shaft_leakage_gas_flow": leak.gas * rate,
         "shaft_leakage_oil_flow": leak.oil * rate,
     }
 
 
-def _condenser_heat(of: Evaluation, leaving: float | None) -> float | str:
+def _of_condenser(of: Evaluation, found: Mapping[str, Any]) -> Given:
+    """Return the heat that all gas gives off in the condenser, and its ratio to the shaft power (M410)."""
+    problem = of.problem
+    condensed = of.gas_flow + sum(net for net, _ in of.products)
+    beyond = performance.beyond_suction_gas(problem.scene, problem.inlet.enthalpy, of.products)
+    if not isinstance(beyond, str):
+        beyond -= sum(found.get(part.lacking) or 0.0 for _, part in problem.parts.all(Plenum))
+    return performance.heating(found, condensed, _condenser_heat(of), beyond)
+
+
+def _condenser_heat(of: Evaluation) -> float | str:
     """Return the heat that a kilogram of gas gives off in the condenser [J/kg] (M410), or why there is none.
 
-    The gas comes from the separator, or without one from the chambers, with the enthalpy `leaving`.
+    The gas comes from the separator, or without one from the chambers.
     """
     problem, circuit = of.problem, of.circuit
     effect, parted = problem.refrigerating_effect, problem.parts.all(Separator)
     if isinstance(circuit, str) and parted:
         return circuit
-    if leaving is None or effect is None:
+    if of.outflow is None or effect is None:
         return performance.NONE_LEAVES
-    h = leaving
+    h = of.outflow.enthalpy
     if isinstance(circuit, Circuit) and parted:
         if circuit.parted.why:
             return circuit.parted.why
@@ -242,28 +229,17 @@ def _of_circuit(problem: Problem, circuit: Circuit | str) -> Given:
     return found | dict(zip(OF_SEPARATOR, values, strict=True))
 
 
-def _shut(problem: Problem, turn: Turn | None) -> bool:
-    """Return whether a check valve stays shut, so that nothing comes in from the suction line but rounding.
-
-    A shut discharge line has that effect where the gas has no other way out.
-    """
-    lines = [part for part in problem.parts.pulsations if part.to == SUCTION or not problem.parts.plenums]
-    return turn is not None and any(part.shut is not None and part.shut(turn) for part in lines)
-
-
-def _of_plenums(of: Evaluation, sucked: float, about: dict[str, Figure]) -> Given:
-    """Return the figures of effects with own plenums; `sucked` [kg/life], net."""
+def _of_plenums(of: Evaluation, about: dict[str, Figure]) -> Given:
+    """Return the figures of effects with own plenums; add the declarations that they borrow to `about`."""
     found, problem, parts = {}, of.problem, of.problem.parts
-    gas, energy = of.streams[:, slots.OF_GAS], of.streams[:, slots.OF_ENERGY]
-    suction = sucked * problem.rate * (1.0 - problem.suction.returned)
-    why = "" if suction > 0.0 else performance.NONE_DELIVERED
+    why = "" if of.gas_flow > 0.0 else performance.NONE_DELIVERED
     for name, plenum in parts.all(Plenum):
         if plenum.figures is None:
             continue
-        i, state = 2 * parts.number(plenum.name), parts.plenums[plenum.name]
+        back, state = of.streams[2 * parts.number(plenum.name) + 1], parts.plenums[plenum.name]
+        brought = float(back[slots.OF_GAS] * state.h - back[slots.OF_ENERGY]) * problem.rate
         site = build_site(problem.scene, parts.gas)
-        brought = float(gas[i + 1] * state.h - energy[i + 1]) * problem.rate
-        drawn = Drawn(float(gas[i] + gas[i + 1]) * problem.rate, suction, state, site, brought)
+        drawn = Drawn(of.drawn[plenum.name], of.gas_flow, state, site, brought)
         given = performance.effect_figures(plenum.figures(drawn), name, why)
         about |= figures_declared_elsewhere(name, problem.scene.effects[name].effect, given)
         found |= given

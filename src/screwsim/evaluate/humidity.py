@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from screwsim.build import package_of
-from screwsim.cycle import suction_line
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Given
 from screwsim.evaluate.performance import NONE_DELIVERED, NONE_LEAVES
@@ -108,25 +107,24 @@ def _discharge_flow(of: Evaluation) -> float:
     """Return the net flow to the discharge line [kg/s], by the flows through its ports."""
     if isinstance(of.circuit, Circuit):
         return of.circuit.outflow.gas_flow
-    problem, life, streams = of.problem, of.life, of.streams
-    leak = suction_line.leak(problem, life.R).gas
-    returned = problem.suction.returned * suction_line.fresh_gas(problem, life.R, streams)
-    return problem.rate * (-float(streams[DISCHARGE_IN, OF_GAS] + streams[DISCHARGE_OUT, OF_GAS]) - leak - returned)
+    problem, streams = of.problem, of.streams
+    returned = problem.suction.returned * of.fresh_gas
+    return problem.rate * (
+        -float(streams[DISCHARGE_IN, OF_GAS] + streams[DISCHARGE_OUT, OF_GAS]) - of.leak.gas - returned
+    )
 
 
 def chamber_share(of: Evaluation, gas: MoistAir, below: float = np.inf) -> float:
     """Return the largest liquid share of a chamber's trapped water, where it is colder than `below` [K] (M327)."""
     problem, life = of.problem, of.life
     angles = np.arange(0.0, problem.parts.geometry.life, STEP)
-    states, oil, trapped = life.states_at(angles), problem.parts.oil, float(life.R[R_TRAPPED])
+    states, carried, trapped = life.states_at(angles), problem.composition.carried, float(life.R[R_TRAPPED])
     wet, most = np.flatnonzero((life.phases(states) != 0) & (states[:, S_T] < below)), 0.0
     for angle, state in zip(angles[wet].tolist(), states[wet].tolist(), strict=True):
-        rho = state[S_RHO]
+        rho, ratio = state[S_RHO], state[S_X_OIL] if carried else 0.0
         liquid = gas.liquid_share(state[S_T], rho)
         if liquid > 0.0:
-            roomed = problem.composition.oil_room and oil is not None
-            room = 1.0 + state[S_X_OIL] * rho / oil.density if roomed and oil is not None else 1.0
-            most = max(most, liquid * rho * life.volume(angle) / room)
+            most = max(most, liquid * rho * life.volume(angle) / problem.parts.volume_over_gas(rho, ratio))
     return min(most / (gas.share * trapped), 1.0) if trapped > 0.0 else 0.0
 
 

@@ -142,12 +142,11 @@ def _points_at_stop(parts: Parts, cycle: CycleSolution) -> tuple[list[ChamberPoi
 
 def _point(parts: Parts, life: Trajectory, phi: float, y: Array, p: float | None = None) -> ChamberPoint:
     """Return the point of a chamber at an angle [rad] with states y; its pressure [Pa] is computed if not given."""
-    c, module, oil = life.composition, life.module, parts.oil
+    c, module = life.composition, life.module
     V, rho = module.volume_at(phi, c.P, c.TAB), float(y[S_RHO])
     if p is None:
         p = float(module.gas_state(float(y[S_T]), rho, c.P, c.TAB)[0])
-    room = 1.0 + float(y[S_X_OIL]) * rho / oil.density if c.oil_room and oil is not None else 1.0
-    return ChamberPoint(phi, y, p, V, rho * V / room)
+    return ChamberPoint(phi, y, p, V, rho * V / parts.volume_over_gas(rho, float(y[S_X_OIL]) if c.carried else 0.0))
 
 
 def _areas(parts: Parts, life: Trajectory, own: set[str], angles: Array) -> Iterator[str]:

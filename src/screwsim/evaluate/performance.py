@@ -12,22 +12,19 @@ import numpy as np
 
 from screwsim.cycle.cycle_figures import CycleFigures
 from screwsim.cycle.problem import Inlet, Problem
-from screwsim.effects.base import Given, Plenum, Reading
+from screwsim.effects.base import Given, Reading
 from screwsim.fluid import constants
 from screwsim.fluid.gas import Gas
 from screwsim.fluid.models import condenses
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.inputs.faults import UsageError, checked_own_number
 from screwsim.model.parts import Parts
-from screwsim.model.slots import OF_GAS
 from screwsim.numerics.frozen import with_changes
 from screwsim.scene.lines import Lines, suction_enthalpy
 from screwsim.scene.types import Scene
 
 WET = "the intake is wet"
-Array = np.ndarray
-
-
+QUALITY = "discharge_quality"
 MOTOR_POWER = "motor_power"
 NO_POWER = "the shaft power is not positive"
 NONE_LEAVES = "nothing flows out to the discharge line"
@@ -74,13 +71,6 @@ def parted(given: Given) -> tuple[dict[str, Any], dict[str, str]]:
     """Return figures with None in place of each text, and these texts: the reasons why there is no value."""
     reasons = {name: value for name, value in given.items() if isinstance(value, str)}
     return {**given, **dict.fromkeys(reasons)}, reasons
-
-
-def plenum_products(parts: Parts, streams: Array, rate: float) -> list[tuple[float, Reservoir]]:
-    """Return the net flow [kg/s] and state of each own plenum whose gas is a product."""
-    products = {part.name for _, part in parts.all(Plenum) if part.product}
-    rows = ((2 * parts.number(name), state) for name, state in parts.plenums.items() if name in products)
-    return [(float(streams[i, OF_GAS] + streams[i + 1, OF_GAS]) * rate, state) for i, state in rows]
 
 
 def refrigeration(found: Mapping[str, Any], rho_s: float, effect: float | None) -> Given:
@@ -147,23 +137,18 @@ def effect_figures(given: Given, effect: str, why: str = "", finite: bool = True
 def readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> Given:
     """Return the figures that effects read from the closed cycle; all other figures are known by then."""
     given: dict[str, float | str | None] = {}
-    reading = parts.all(Reading)
-    names = ("shaft_power", "isothermal_efficiency", "isentropic_efficiency", "cop", "heating_cop")
-    complete = with_changes(known, **{name: found.get(name) for name in names}) if reading else known
-    for name, part in sorted(reading, key=lambda each: MOTOR_POWER not in each[1].figures):  # others may read it
+    of_motor_first = sorted(parts.all(Reading), key=lambda each: MOTOR_POWER not in each[1].figures)  # others read it
+    for name, part in of_motor_first:
         values, _ = parted(given)
-        read = part.read(with_changes(complete, motor_power=values.get(MOTOR_POWER), found={**found, **values}))
+        read = part.read(with_changes(known, found={**found, **values}))
         given |= effect_figures(read, name, finite=bool(np.isfinite(known.indicated_power)))
     return given
 
 
 def judge_readings(parts: Parts, known: CycleFigures, found: Mapping[str, Any]) -> tuple[str, tuple[str, ...]]:
     """Return why effects that read the cycle reject it (empty: none does), and their warnings."""
-    judges = [part.judge for _, part in parts.all(Reading) if part.judge is not None]
-    if not judges:
-        return "", ()
-    complete = with_changes(known, shaft_power=found["shaft_power"], motor_power=found.get(MOTOR_POWER))
-    told = [judge(complete) for judge in judges]
+    complete = with_changes(known, found=found)
+    told = [part.judge(complete) for _, part in parts.all(Reading) if part.judge is not None]
     return next((why for why, _ in told if why), ""), tuple(each for _, warnings in told for each in warnings)
 
 
@@ -197,8 +182,11 @@ def figures_of_expander(found: Mapping[str, Any], isentropic_power: float, fille
     return changed
 
 
-def saturation_figures(problem: Problem, found: Mapping[str, Any]) -> Given:
-    """Return saturation temperatures and superheats [K], as called for; `found` has the discharge temperature."""
+def saturation_figures(problem: Problem, found: Mapping[str, Any], leaving: float | None) -> Given:
+    """Return saturation temperatures and superheats [K] and the quality at discharge, as called for.
+
+    `found` has the discharge temperature; `leaving` is the mean enthalpy [J/kg] of what flows out, None for nothing.
+    """
     if "suction_superheat" not in problem.called:
         return {}
     lines, fluid = problem.lines, problem.scene.gas.name
@@ -212,10 +200,19 @@ def saturation_figures(problem: Problem, found: Mapping[str, Any]) -> Given:
         "suction_superheat": at_suction,
         "discharge_superheat": why_d if dew_d is None else NONE_LEAVES if T_d is None else T_d - dew_d,
     }
+    if QUALITY in problem.called:
+        none = why_d if dew_d is None else NONE_LEAVES
+        values[QUALITY] = none if dew_d is None or leaving is None else _quality(fluid, lines.p_d, leaving)
     if blend:
         values["evaporating_bubble_temperature"] = bubble_s or why_s
         values["condensing_bubble_temperature"] = bubble_d or why_d
     return values
+
+
+def _quality(fluid: str, p: float, h: float) -> float:
+    """Return the mass share of vapour of a pure fluid at p [Pa] and an enthalpy h [J/kg] (M411); at most 1."""
+    liquid, vapour = (constants.wet_enthalpy(fluid, p, share) for share in (0.0, 1.0))
+    return min((h - liquid) / (vapour - liquid), 1.0)
 
 
 @lru_cache(maxsize=64)

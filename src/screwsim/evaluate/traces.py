@@ -52,9 +52,8 @@ def _contents(
 ) -> dict[str, np.ndarray]:
     """Return temperatures and masses of what a chamber holds: gas, oil, and gas dissolved in the oil."""
     life, c, parts = of.life, of.life.composition, of.problem.parts
-    found = {"gas_temperature": states["T"], "gas_mass": states["rho"] * volume}
-    if c.oil_room and parts.oil is not None:
-        found["gas_mass"] /= 1.0 + states["x_oil"] * states["rho"] / parts.oil.density
+    mass = states["rho"] * volume / parts.volume_over_gas(states["rho"], states.get("x_oil", 0.0))
+    found = {"gas_temperature": states["T"], "gas_mass": mass}
     if "T_oil" in c.states:
         present = c.carried | (degrees >= math.degrees(parts.geometry.injection_angle))
         ratio = states["x_oil"] if c.carried else np.where(present, float(life.R[R_RATIO]), 0.0)
@@ -87,9 +86,8 @@ def _flows(
 
 def _traces_of_effects(of: Evaluation, degrees: np.ndarray) -> dict[str, np.ndarray]:
     """Return the traces that effects read of one pitch, over all angles."""
-    parts = of.problem.parts
-    known, pitch = of.known if parts.shaft is None else of.complete, math.degrees(parts.geometry.pitch)
-    found = {}
+    parts, known = of.problem.parts, of.complete
+    pitch, found = math.degrees(parts.geometry.pitch), {}
     for read in [part.traces for _, part in parts.all(Reading) if part.traces is not None]:
         for name, values in read(known).items():
             grid = np.linspace(0.0, pitch, len(values) + 1)

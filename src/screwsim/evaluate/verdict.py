@@ -178,7 +178,7 @@ def _hydraulic_lock(problem: Problem, cycle: CycleSolution) -> str:
     if not parts.oil_room or parts.oil is None:
         return ""
     rho, x = cycle.y[S_RHO::n], cycle.y[S_X_OIL::n]
-    shares = 1.0 - 1.0 / (1.0 + x * rho / parts.oil.density)
+    shares = 1.0 - 1.0 / parts.volume_over_gas(rho, x)
     if R[R_LOCK] > 0.0:
         angle, share = parts.geometry.injection_angle, 1.0
     else:

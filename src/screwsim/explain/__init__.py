@@ -173,7 +173,9 @@ def _rotors(machine: Any, parts: Parts) -> Iterator[str]:
         yield row("", laid.rotors.chain.faired)
     swept = f"{laid.swept * 1e6:.6g} cm³".replace(" ", NO_BREAK)
     axial = "" if machine.axial_volume_ratio is None else f", of the axial port {machine.axial_volume_ratio:g}"
-    yield row("", f"swept volume {swept} of a chamber; built-in volume ratio {machine.built_in_volume_ratio:g}{axial}")
+    ratio, found = machine.built_in_volume_ratio, closed_in(laid.rotors, laid.curves)[1]
+    built_in = f"{found:.4g}, where the table of the discharge port opens" if ratio is None else f"{ratio:g}"
+    yield row("", f"swept volume {swept} of a chamber; built-in volume ratio {built_in}{axial}")
     if machine.slide_valve is not None:
         yield row("slide valve", _slide(machine.slide_valve, laid))
     yield row(

@@ -111,7 +111,7 @@ def oil_rows(scene: Scene, parts: Parts) -> Iterator[str]:
     yield row("supply", f"{supply.kind}: {equation}; {parameters_text(supply, skip=foreign)}")
     if supply.temperature is None:
         outlet = "that of the cooler's outlet (M283)"
-        found = "found with the cycle (M284)" if open_temperatures(scene)[0] else outlet
+        found = "found with the cycle (M284)" if open_temperatures(scene).supply else outlet
         yield row("temperature", found)
     if parts.oil_room:
         work = "contains its flow work (M491)" if parts.geometry.expands else "raises it to discharge pressure"

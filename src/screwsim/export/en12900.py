@@ -13,16 +13,22 @@ from screwsim.study.maps.performance_map import COEFFICIENT_NAMES, PerformanceMa
 from screwsim.study.stages.axes import names_of
 
 FIGURES = ("cooling_capacity", "shaft_power", "gas_mass_flow")
-OPTIONAL_FIGURES = ("electrical_power", "heating_capacity")  # included where a result has them
+# included where a result has them; the last two are the vapour of an economizer, and of a tank between two stages
+OPTIONAL_FIGURES = ("electrical_power", "heating_capacity", "economizer_mass_flow", "vapour_mass_flow")
 _IP = {
     "cooling_capacity": ("Btu/h", 3600.0 / BTU),
     "shaft_power": ("W", 1.0),
     "electrical_power": ("W", 1.0),
     "heating_capacity": ("Btu/h", 3600.0 / BTU),
-    "gas_mass_flow": ("lb/h", 3600.0 / POUND),
+    **dict.fromkeys(("gas_mass_flow", "economizer_mass_flow", "vapour_mass_flow"), ("lb/h", 3600.0 / POUND)),
 }
-# of a document: what is in SI units; whose condensing temperatures are others; which points of the sweep are left out
-NOTES = ("in_si", "convention", MISSING)
+# of a document: what is in SI units; whose condensing temperatures are others; which points of the sweep are left out;
+# what an economizer does
+NOTES = ("in_si", "convention", MISSING, "capacity_contains")
+ECONOMIZER = (
+    "an economizer, or a tank between stages, cools the liquid beyond the subcooling: cooling_capacity contains that, "
+    "and is more than gas_mass_flow times the enthalpy difference from there"
+)
 HEAD_LINE = "table,map,figure,unit"  # of the coefficients' table
 RATED_STEPS = 6  # rated temperatures along each axis
 FOLLOWED = (("path", "values"), ("of", "at"))
@@ -78,6 +84,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
         f"# S evaporating (dew), D condensing ({found.condensing}) temperature, {degree}",
         *([f"# {other}"] if other else []),
         *(f"# {line}" for line in _condition_lines(found, ip)),
+        *([f"# {ECONOMIZER}"] if found.economized else []),
         *(f"# {text}" for text in found.missing),
         *(f"# {name}: valid between the corners (S, D) {corners} {degree}" for name, corners in valid),
         f"{HEAD_LINE}," + ",".join(COEFFICIENT_NAMES) + ",largest_error,left_out_error",
@@ -136,5 +143,6 @@ def en12900_document(found: Polynomials, ip: bool = False) -> dict[str, Any]:
         said |= {key: said[key].replace("degC", "degF") for key in ("S", "D")}
         said["units"] = {figure: unit_of(found, figure, True)[0] for figure in found.units}
     other = other_condensing(found)
-    in_si, convention, _ = NOTES
-    return said | {in_si: ["conditions", "follows", "at"]} | ({convention: other} if other else {}) | {"maps": maps}
+    in_si, convention, _, contains = NOTES
+    said |= {in_si: ["conditions", "follows", "at"]} | ({contains: ECONOMIZER} if found.economized else {})
+    return said | ({convention: other} if other else {}) | {"maps": maps}

@@ -32,7 +32,16 @@ _DERIVED: dict[str, dict[str, int]] = {
 }
 _PART = re.compile(r"([A-Za-z]+)\^?(-?[0-9]+)?")
 LOGARITHMIC_FROM = 2.0  # ratio of the ends of a pressure range from which nodes are spaced by its logarithm
-FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "cooling_capacity", "electrical_power")
+FIGURES = (
+    "gas_mass_flow",
+    "shaft_power",
+    "discharge_temperature",
+    "separator_temperature",
+    "cooling_capacity",
+    "heating_capacity",
+    "economizer_mass_flow",
+    "electrical_power",
+)  # with them the heat balance of a plant closes: what leaves for its condenser, and how warm
 
 
 class Follower(NamedTuple):

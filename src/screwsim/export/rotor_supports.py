@@ -30,6 +30,19 @@ def supports_of(scene: Scene, result: Result, spans: Spans | None, shafts: Diame
     )
 
 
+def assumed_of(supports: Supports) -> str:
+    """Return what is assumed of supports that neither options nor the scene state, with the remedy; else nothing."""
+    free = [name for name, located in zip(NAMES, supports.located, strict=True) if not located]
+    told, remedies = [], []
+    if free:
+        told.append(f"bearings of the {' and '.join(free)} rotor in the end planes")
+        remedies.append("--bearings")
+    if not all(supports.sized):
+        told.append("no shafts, whose area the thrust then includes")
+        remedies.append("--shafts")
+    return f"assumed: {', and '.join(told)} (state {' and '.join(remedies)}, or effects.{EFFECT.name})" if told else ""
+
+
 def _spans(bearings: Any) -> Spans:
     """Return the distances [m] of a rotor's bearings, 0 where they are not named."""
     suction, discharge = (0.0 if bearings is None else getattr(bearings, end).distance for end in ENDS)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from screwsim.build import build_parts
+from screwsim.effects.base import Plenum
 from screwsim.export.polynomials import Polynomials, check_conditions, document, polynomials
 from screwsim.fluid.composition import is_blend
 from screwsim.fluid.gas import Gas
@@ -59,8 +60,13 @@ def check_scene(scene: Varied) -> None:
     for joint in joints_of(scene):
         if SPEED in joint.paths and set(temperature_paths(False)) & set(joint.paths):
             raise UsageError(_ONE_VALUE.format(SPEED))
+    parts = build_parts(scene)
+    besides = next((name for name, part in parts.all(Plenum) if part.product), "")
+    if besides:
+        what = "lets in vapour or liquid, and TESPy's compressor takes gas from one inlet"
+        raise UsageError(f"effects.{besides}: {what} (leave it out, or use export en12900)")
     if not condenses(scene.gas):
-        gas = build_parts(scene).gas
+        gas = parts.gas
         ratios = [_density_ratio(gas, case(scene, index)) for index in range(case_count(scene))]
         _refuse_off("gas.model", {"flow": max(ratios, key=lambda ratio: abs(ratio - 1.0))})
 

@@ -20,7 +20,18 @@ from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import ImpossibleValue, UsageError
 from screwsim.model.parts import Parts
 from screwsim.numerics.identity_cache import IdentityCache
-from screwsim.outputs.core import AFTERCOOLED, CHANGED, GLIDING, HEATED, HELD, PERFORMANCE, STAGES, SUBCRITICAL, WALLED
+from screwsim.outputs.core import (
+    AFTERCOOLED,
+    CHANGED,
+    GLIDING,
+    HEATED,
+    HELD,
+    PERFORMANCE,
+    STAGES,
+    SUBCRITICAL,
+    WALLED,
+    WETTED,
+)
 from screwsim.outputs.declared import ITSELF, TIMES, Figure, Scale, Variable
 from screwsim.outputs.display import ShownFigure
 from screwsim.outputs.figures import ListedFigures, shown_of
@@ -35,6 +46,7 @@ _ROLES: Mapping[str, Callable[[Scene, Parts], bool]] = {  # conditions on a scen
     HELD[0]: lambda scene, parts: parts.dissolves,
     SUBCRITICAL[0]: lambda scene, parts: saturates(scene),
     GLIDING[0]: lambda scene, parts: saturates(scene) and is_blend(scene.gas.name),
+    WETTED[0]: lambda scene, parts: saturates(scene) and scene.gas.equilibrium and not is_blend(scene.gas.name),
     AFTERCOOLED[1]: lambda scene, parts: scene.gas.relative_humidity is not None and _has(scene, AFTERCOOLED[1]),
 }
 

@@ -13,7 +13,7 @@ from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import table_value
 
 FLUID = "R134a"
-LOW, HIGH = 255.0, 394.0  # [K] range of the fit
+LOW = 255.0  # [K] from which it was fitted, up to 394 K
 M_REFRIGERANT, M_OIL = 0.102032, 0.590  # [kg/mol]
 R = 8.314462618  # [J/(mol K)]
 TAU_12, TAU_21 = 948.0, 3993.0  # [J/mol]

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.fluid import constants, solubility
+from screwsim.fluid import constants, names, solubility
 from screwsim.fluid.description import describe
 from screwsim.fluid.reference_state import NEAR_CRITICAL, last_saturation, reference_pressure
 from screwsim.fluid.transport import saturated_liquid_viscosity
@@ -256,7 +256,9 @@ def _lines_of_others(sheet: Sheet, fluid: str) -> set[int]:
     named = {line: name for line, (name,) in sheet.columns(REFRIGERANT)}
     for line, name in named.items():
         if constants.limits(name) is None:
-            raise BadSheet(f"{name!r} is no refrigerant that CoolProp has (write e.g. R134a)", line)
+            same = names.same_fluid(name)
+            remedy = f"; did you mean {same}?" if same else " (write e.g. R134a)"
+            raise BadSheet(f"{name!r} is no refrigerant that CoolProp has{remedy}", line)
     others = {line for line, name in named.items() if describe(name).name != describe(fluid).name}
     if others and len(others) == len(named):
         has = ", ".join(dict.fromkeys(named.values()))

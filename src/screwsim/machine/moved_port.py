@@ -33,6 +33,12 @@ def opening_angle(volume: VolumeKernels, closes: float, end: float, ratio: float
     return bisected(lambda angle: float(volume.along(np.array([angle]))[0][0]) >= wanted, low, high, FINE)[1]
 
 
+def opening_row(angles: Array, areas: Array) -> float:
+    """Return the angle [rad] at which a table of areas begins to open; its first where it is open from there."""
+    shut = np.flatnonzero(negligible_areas(areas)[: int(np.argmax(areas))])
+    return float(angles[shut[-1] if len(shut) else 0])
+
+
 def moved_area(angles: Array, areas: Array, opens: float | None, ratio: float) -> tuple[Array, Array]:
     """Return a table of areas [m²] over angles [rad] with its opening shifted to `opens`, as the volume ratio requires.
 

@@ -20,14 +20,16 @@ from functools import lru_cache
 
 import numpy as np
 
+from screwsim.inputs.declare import AREA
 from screwsim.inputs.faults import Fault, UsageError
+from screwsim.machine.moved_port import LAST, opening_row
 from screwsim.machine.protocol import BLOW_HOLE, CONTACT_GAP, END_GAP, TIP_GAP
 from screwsim.machine.rotors.curves import OVERLAP, Curve, Curves, Path, closed_in, make_curves
 from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.rotors import MOST_CACHED, Rotors, make_rotors
 from screwsim.machine.rotors.settings import SlideValve
 from screwsim.machine.settings import TwinScrew
-from screwsim.numerics.spline import LEAST, differences, side_slopes
+from screwsim.numerics.spline import LEAST, differences, read_curve, side_slopes
 
 BIRTH = math.radians(20.0)  # angle over which a path opens whose length is not zero at the chamber's birth
 BEFORE_CLOSING = np.radians((2.0, 0.5, 0.1))  # steps end there: error control misses the layer before a port closes
@@ -135,16 +137,40 @@ class LaidCurves:
 def laid_curves(machine: TwinScrew) -> LaidCurves:
     """Return the curves of a machine with a profile; raise UsageError with one line per fault."""
     profile, ratio = machine.profile, machine.built_in_volume_ratio
-    if profile is None or ratio is None:
+    if profile is None or (ratio is None and not _opens_as_drawn(machine)):
         raise UsageError("\n".join(map(str, _missing(machine))))
     sizes = machine.male_lobes, machine.female_lobes, machine.rotor_diameter, machine.rotor_length
-    return _laid(make_rotors(profile, *sizes), ratio, machine.axial_volume_ratio, machine.slide_valve)
+    rotors = make_rotors(profile, *sizes)
+    ratio = _ratio_as_drawn(rotors, machine) if ratio is None else ratio
+    return _laid(rotors, ratio, machine.axial_volume_ratio, machine.slide_valve)
+
+
+def _opens_as_drawn(machine: TwinScrew) -> bool:
+    """Tell whether a table says where the discharge port opens, so that no volume ratio has to."""
+    port = machine.discharge_port
+    return port is not None and port.from_file and port.file is not None
+
+
+def _ratio_as_drawn(rotors: Rotors, machine: TwinScrew) -> float:
+    """Return the largest volume over that where the table of the discharge port opens; 1 if it opens before."""
+    assert machine.discharge_port is not None  # with a table
+    opens = opening_row(*read_curve(str(machine.discharge_port.file), AREA))
+    closes, largest = rotors.largest
+    pitch = rotors.pair.pitch
+    turned = opens - _pitches_before(closes - rotors.start, pitch) * pitch  # after suction has closed
+    angle = min(closes + max(turned, 0.0), rotors.wrap - LAST)
+    return largest / float(rotors.volume(np.array(angle)))
+
+
+def _pitches_before(closes: float, pitch: float) -> int:
+    """Return the whole pitches of the scene's angle at which suction closes, at the rotors' angle `closes` [rad]."""
+    return math.ceil(closes / pitch - 1e-9)
 
 
 @lru_cache(maxsize=MOST_CACHED)
 def _laid(rotors: Rotors, ratio: float, axial_ratio: float | None, slide: SlideValve | None) -> LaidCurves:
     curves, pitch = make_curves(rotors, ratio, axial_ratio, slide), rotors.pair.pitch
-    before = math.ceil(curves.suction_closes / pitch - 1e-9)
+    before = _pitches_before(curves.suction_closes, pitch)
     after = math.ceil((curves.life - curves.suction_closes) / pitch - 1e-9)
     born = before * pitch - curves.suction_closes
     return LaidCurves(
@@ -221,6 +247,8 @@ def _missing(machine: TwinScrew) -> list[Fault]:
         "profile": "needs it: kind, centre_distance, female_diameter, wrap_angle …",
         "built_in_volume_ratio": "needs it, e.g. built_in_volume_ratio: 3.2; it places the discharge port",
     }
+    if _opens_as_drawn(machine):
+        del needs["built_in_volume_ratio"]
     lacking = (name for name in needs if getattr(machine, name) is None)
     return [Fault(f"machine.{name}", f"is missing (law: profile {needs[name]})") for name in lacking]
 

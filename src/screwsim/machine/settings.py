@@ -107,7 +107,8 @@ class TwinScrew(MachineSettings):
     )
     displacement: Displacement | None = None
     built_in_volume_ratio: float | None = number(
-        "largest chamber volume over that at which the discharge port opens; moves the port, also one from a table",
+        "largest chamber volume over that at which the discharge port opens; moves the port, also one from a table, "
+        "which stays as drawn without it",
         None,
         gt=1.0,
         hardly=(None, 12.0),

@@ -56,6 +56,8 @@ _SIZES = (
     Size("machine.profile.female_diameter", _diameter, _D, 5.0, (0.7, 1.1)),
     Size("machine.suction_port.area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
     Size("machine.discharge_port.area", _shell, _WALL, WIDEST, (_ANY, 0.5)),
+    Size("machine.suction_port.file", _shell, _WALL, math.inf, (_ANY, 0.5)),  # larger than WIDEST: see `tables`
+    Size("machine.discharge_port.file", _shell, _WALL, math.inf, (_ANY, 0.5)),
     Size("oil_supply.orifice_diameter", _diameter, _D, 0.5, (_ANY, 0.2)),
 )
 _SCALES = {

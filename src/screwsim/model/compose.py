@@ -4,6 +4,7 @@ What a scene does not name is not in the module: no term, no state, no cost. Str
 the text; numbers go into the vector P and the tables TAB, so that one compiled module serves a whole sweep.
 """
 
+from dataclasses import fields
 from functools import lru_cache
 from typing import Any
 
@@ -13,7 +14,7 @@ from screwsim.effects.base import DISCHARGE, LINES, ChamberState, HeatRate, Stop
 from screwsim.fluid import nozzle
 from screwsim.model import ledger, line_flow, slots, trace, writing, writing_oil
 from screwsim.model.breakpoints import breakpoints
-from screwsim.model.composition import Composition, NumbersRecipe
+from screwsim.model.composition import Composition, NumbersRecipe, Structure
 from screwsim.model.module_text import module_text
 from screwsim.model.network import balances, port_states, steps, stops, surroundings
 from screwsim.model.network.cell import RESERVED, Cell
@@ -25,12 +26,10 @@ from screwsim.model.parts import Parts
 from screwsim.model.renumbering import angles_of, stored_numbers
 from screwsim.model.slots import FIRST_OWN, PORT_STATE, R_SIZE
 from screwsim.model.writing import ModelWriter, scales
-from screwsim.numerics.frozen import with_changes
 from screwsim.numerics.kernel import Kernel
 
 SHARED = {name: getattr(slots, name) for name in slots.FIXED}  # constants that texts use by name
 HELD_GAS = "w_gas"  # name of the state of dissolved gas
-NO_NUMBERS = np.zeros(0)
 
 
 def compose(parts: Parts) -> Composition:
@@ -40,18 +39,10 @@ def compose(parts: Parts) -> Composition:
     writer, law = ModelWriter(symbols_of(parts), fixed_numbers(parts), parts.made, network), parts.geometry.volume_law()
     _write(writer, parts, law)
     numbers = writer.numbers
-    found = structured(
-        network.key(),
-        tuple(writer.text),
-        tuple(writer.kernels),
-        tuple(numbers.places.items()),
-        (*(path.to for _, path in parts.ports), *(DISCHARGE for _ in parts.gaps)),
-        tuple(numbers.place_of(cell) for cell in writer.made.values()),
-        writer.speed_curve,
-        tuple(oil_places(parts).items()),
-    )
-    return with_changes(
-        found,
+    places, oil = tuple(numbers.places.items()), tuple(oil_places(parts).items())
+    structure = structure_of(network.key(), tuple(writer.text), places, oil)
+    return Composition(
+        **{each.name: getattr(structure, each.name) for each in fields(Structure)},
         P=np.array(numbers.values),
         TAB=np.concatenate([*numbers.tables, np.zeros(1)]),
         breakpoints=breakpoints(parts, law),
@@ -63,25 +54,23 @@ def compose(parts: Parts) -> Composition:
             angles_of(parts, law),
             law,
         ),
+        ends=(*(path.to for _, path in parts.ports), *(DISCHARGE for _ in parts.gaps)),
+        made=tuple(numbers.place_of(cell) for cell in writer.made.values()),
+        speed_curve=writer.speed_curve,
         starts=tuple(part.start for _, part in parts.all(ChamberState)),
     )
 
 
 @lru_cache(maxsize=64)
-def structured(
+def structure_of(
     key: tuple[Any, ...],
     own: tuple[str, ...],
-    called: tuple[Kernel, ...],
     places: tuple[tuple[str, int], ...],
-    ends: tuple[str, ...],
-    made: tuple[int, ...],
-    speed_curve: int | None,
     oil: tuple[tuple[str, int], ...],
-) -> Composition:
-    """Return the composition of written texts without numbers, shared by scenes that differ in these only.
+) -> Structure:
+    """Return the texts and the layout of a network, given by its key.
 
-    `key` is that of the network, `own` and `called` are the texts and kernels, `places` are the indices of numbers
-    in P.
+    `own` are the texts that the parts wrote, `places` the indices of numbers in P, `oil` those of the oil's.
     """
     network = Network(*key)
     cell, layout = Cell(network), Layout(network)
@@ -91,16 +80,12 @@ def structured(
     held = lines * PORT_STATE if network.pulsating else 0
     items, numbers = tuple(constants.items()), tuple(structure.items())
     positive = dict(zip(network.own_states, network.positive, strict=True)) | {HELD_GAS: False}
-    return Composition(
-        text=module_text(key, own, called, items, numbers, _read_with(network)),
-        together=lambda: module_text(key, own, called, items, numbers, together=True),
-        P=NO_NUMBERS,
-        TAB=NO_NUMBERS,
-        breakpoints=NO_NUMBERS,
+    return Structure(
+        text=module_text(key, own, items, numbers, _read_with(network)),
+        together=lambda: module_text(key, own, items, numbers, together=True),
         states=network.states,
         ports=tuple(each.effect for each in network.ports),
         gaps=tuple((each.effect, network.offsets[each.side]) for each in network.gaps),
-        ends=ends,
         heats=tuple(each.effect for each in network.heats),
         n_port_state=len(port_states.columns(network)),
         n_sums=len(cell.sums) * len(network.quantities),
@@ -109,14 +94,10 @@ def structured(
         n_E_all=network.chambers * layout.size + held,
         chambers=network.chambers,
         carried=network.carried,
-        recipe=NumbersRecipe(NO_NUMBERS, [], []),
         n_widths=lines,
         n_R=lines * PORT_STATE if lines > FIRST_OWN or network.pulsating else R_SIZE,
         ported=network.ported,
-        oil_room=network.roomed,
         walls=tuple(each.effect for each in network.walls),
-        made=made,
-        speed_curve=speed_curve,
         own_states=network.own_states,
         stops=tuple((network.states.index(each.position), network.states.index(each.speed)) for each in network.stops),
         signed=tuple(i for i, name in enumerate(network.states) if not positive.get(name, True)),
@@ -140,7 +121,7 @@ def _network(parts: Parts) -> Network:
     names, held = tuple(part.name for part in own), (HELD_GAS,) if parts.dissolves else ()
     states = ("T", "rho", *(("T_oil",) if heated else ()), *(("x_oil",) if carried else ()), *held, *names)
     network = Network(states, names, heated, carried, parts.dissolves, parts.oil_room)
-    network.varies, network.supplied, network.pumped = parts.gas.varies, oil is not None, parts.pumped
+    network.varies, network.supplied = parts.gas.varies, oil is not None
     network.positive = tuple(part.positive for part in own)
     network.cells = [*(f"{name}_line" for name in LINES), "", *(identifier(name) for name in parts.plenums)]
     network.offsets = sorted({path.offset for _, path in parts.gaps})

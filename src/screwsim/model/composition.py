@@ -1,4 +1,4 @@
-"""The result of composing the parts of a scene: module texts, the numbers that go in, and the layout of both."""
+"""The result of composing the parts of a scene: texts with the layout that they fix, and the numbers that go in."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -33,42 +33,33 @@ class NumbersRecipe:
 
 
 @dataclass(frozen=True)
-class Composition:
-    """A model ready to be compiled (`text`) and run (`P`, `TAB`, `breakpoints`)."""
+class Structure:
+    """The texts of a model and the layout that they fix: the same for scenes that differ in numbers only."""
 
     text: str
     together: Callable[[], str] = field(compare=False)  # writes the text of all chambers on demand
-    P: np.ndarray
-    TAB: np.ndarray
-    breakpoints: np.ndarray  # of one chamber's life, including neighbours' [rad]
     states: tuple[str, ...]
+    own_states: tuple[str, ...]  # the last of `states`: those that effects declare
+    signed: tuple[int, ...]  # columns of states that may be zero or negative
+    stops: tuple[tuple[int, int], ...]  # columns of position and speed of what moves between seat and stop
     ports: tuple[str, ...]  # effects of the paths to lines and plenums
     gaps: tuple[tuple[str, int], ...]  # effect, lobe offset
-    ends: tuple[str, ...]  # of ports and gaps: the line or plenum that outflow goes to
+    offsets: tuple[int, ...]  # lobe pitches between neighbours that gaps connect
     heats: tuple[str, ...]  # effects of the heat rates
-    n_port_state: int  # columns of a history beyond the states
-    n_sums: int
-    n_E: int
-    n_E_all: int
+    walls: tuple[str, ...]  # effects of the walls
     chambers: int
     carried: bool
-    recipe: NumbersRecipe
-    width: int  # sums in each category
-    n_widths: int  # of the regularisation, from P_PORT_WIDTH on
-    n_R: int
     ported: bool
-    oil_room: bool
-    walls: tuple[str, ...]  # effects of the walls
-    made: tuple[int, ...]  # indices in P of unknowns that the cycle determines
-    speed_curve: int | None  # index in P of the squared relative speed's table (speed.slowness)
-    own_states: tuple[str, ...]  # the last of `states`: those that effects declare
-    stops: tuple[tuple[int, int], ...]  # columns of position and speed of what moves between seat and stop
-    signed: tuple[int, ...]  # columns of states that may be zero or negative
     pulsating: bool
     pushes: bool  # whether walls that drag oil along do work on it
-    offsets: tuple[int, ...]  # lobe pitches between neighbours that gaps connect
+    width: int  # sums in each category
+    n_sums: int
+    n_port_state: int  # columns of a history beyond the states
+    n_widths: int  # of the regularisation, from P_PORT_WIDTH on
+    n_R: int
+    n_E: int
+    n_E_all: int
     n_work_all: int  # size of the working array for all chambers
-    starts: tuple[float, ...] = ()  # initial values of the own states
 
     @property
     def dissolves(self) -> bool:
@@ -109,11 +100,25 @@ class Composition:
         """Index, among the quadratures, of the first of the streams' sums."""
         return self.all_met.stop + self.pushes
 
-    def stream(self, category: int, quantity: int = OF_GAS) -> int:
-        """Return the quadrature of a quantity of a stream (`slots`: SUCTION_IN …, OF_GAS …)."""
-        return self.first_stream + self.width * category + quantity
+    def stream(self, category: int) -> int:
+        """Return the quadrature of the gas of a stream (`slots.SUCTION_IN` …)."""
+        return self.first_stream + self.width * category + OF_GAS
 
     @property
     def n_quadratures(self) -> int:
         """Number of quadratures: work, heat, walls, gas from neighbours, work on dragged oil, the streams' sums."""
         return self.first_stream + self.n_sums
+
+
+@dataclass(frozen=True)
+class Composition(Structure):
+    """A model ready to be compiled (`text`) and run (`P`, `TAB`, `breakpoints`)."""
+
+    P: np.ndarray
+    TAB: np.ndarray
+    breakpoints: np.ndarray  # of one chamber's life, including neighbours' [rad]
+    recipe: NumbersRecipe
+    ends: tuple[str, ...]  # of ports and gaps: the line or plenum that outflow goes to
+    made: tuple[int, ...]  # indices in P of unknowns that the cycle determines
+    speed_curve: int | None  # index in P of the squared relative speed's table (speed.slowness)
+    starts: tuple[float, ...]  # initial values of the own states

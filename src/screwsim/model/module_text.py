@@ -37,7 +37,6 @@ OWN = {each.name: each.filled_by for each in vars(slots).values() if isinstance(
 def module_text(
     key: tuple[Any, ...],
     own_functions: tuple[str, ...],
-    kernels: tuple[Kernel, ...],
     named: tuple[tuple[str, Any], ...],
     structure: tuple[tuple[str, int], ...],
     read_with: tuple[Kernel, ...] = (),
@@ -45,7 +44,7 @@ def module_text(
 ) -> str:
     """Return the text of a flat module: constants, pasted kernels, the composition's functions, the driver.
 
-    `key` is that of the network; `own_functions` with their `kernels` have been written already. The module of one
+    `key` is that of the network; `own_functions` have been written already. The module of one
     chamber includes all kernels for reading a closed cycle, and `read_with`; that of all chambers `together` only
     the driver; without neighbours, only its rates at many angles. A text that was written before is read from the cache
     folder, where its key is everything it is made of.
@@ -57,13 +56,13 @@ def module_text(
 
     def write() -> str:
         """Return the text, written now."""
-        texts, more = (chamber_alone_texts if alone else chambers_texts if together else chamber_texts)(key)
+        texts, kernels = (chamber_alone_texts if alone else chambers_texts if together else chamber_texts)(key)
         moments = () if together else (moment_text(key),)
         own = (*own_functions, *texts, *moments)
-        return _written(own, (*kernels, *more), named, structure, read_with, stops, together)
+        return _written(own, kernels, named, structure, read_with, stops, together)
 
     made_of = (network, own_functions, named, structure, together)
-    return kept_text(("model", "numerics"), (*kernels, *dict(called).values(), *drivers, *read_with), made_of, write)
+    return kept_text(("model", "numerics"), (*dict(called).values(), *drivers, *read_with), made_of, write)
 
 
 def _written(

@@ -149,6 +149,10 @@ class Parts:
         """Whether the oil takes room."""
         return bool(self.all(base.OilRoom))
 
+    def volume_over_gas(self, rho: Any, ratio: Any) -> Any:
+        """Return the volume of gas and oil over that of gas of ρ [kg/m³] with oil per gas; 1 without room (M106)."""
+        return 1.0 + ratio * rho / self.oil.density if self.oil is not None and self.oil_room else 1.0
+
     @property
     def arriving_oil(self) -> float:
         """Oil per gas that comes in with the gas of the suction line (an expander, M490); 0 without."""

@@ -1,7 +1,7 @@
 """Write the functions of a composition itself (slots.py): calls of kernels with their numbers filled in.
 
 Numbers go into P and TAB; whatever affects the terms goes into the text. Where the speed varies over the pitch,
-quantities per time are multiplied by `ModelWriter.slow`.
+quantities per time are multiplied by `Network.slow`.
 """
 
 import math
@@ -40,10 +40,8 @@ class ModelWriter:
         self.numbers = Numbers(list(head))
         self.made = {name: self.numbers.add(value, name, of=(made, name)) for name, value in made.items()}
         self.symbols = symbols
-        self.kernels: list[Kernel] = []
         self.text: list[str] = []
         self.speed_curve: int | None = None  # its index in P (speed.slowness)
-        self.slow = ""  # factor on quantities per time, where the speed varies over the pitch
         self.network = network
 
     def call(
@@ -62,7 +60,6 @@ class ModelWriter:
         factors, unknowns of the cycle, or symbols of the scene. The text names numbers after what they are
         `of`, or after the kernel's module.
         """
-        self.kernels.append(kernel.plain)
         self.network.kernels[kernel.flat_name] = kernel.plain
         arguments, whose = [], of or kernel.flat_name.partition("__")[0]
         for name in kernel.arguments:
@@ -86,7 +83,7 @@ class ModelWriter:
 
     def in_time(self, rate: str) -> str:
         """Return the text of a rate at the mean speed, converted to the speed at the angle by `slow` (M217)."""
-        return f"slow * {rate}" if self.slow else rate
+        return f"slow * {rate}" if self.network.slow else rate
 
     def function(self, head: str, body: Sequence[str]) -> None:
         """Write a function of the composition."""
@@ -99,7 +96,7 @@ class ModelWriter:
 
     def asked(self, name: str, arguments: Sequence[str], calls: Sequence[str], before: Sequence[str] = ()) -> None:
         """Write such a function for rates of one chamber, if there are any (`evaluate.own_effects`)."""
-        slow = [f"slow = {self.slow}"] if any(call.startswith("slow *") for call in calls) else []
+        slow = [f"slow = {self.network.slow}"] if any(call.startswith("slow *") for call in calls) else []
         if calls:
             self.chosen(f"{name}(i, {', '.join(arguments)}, P)", calls, "0.0", [*before, *slow])
 
@@ -120,8 +117,8 @@ def write_areas(
         if path.mirror is not None:
             turned = [f"phi = {writer.numbers.add(path.mirror, label + '_mirror', of=(path, 'mirror'))} - phi"]
         result = [f"return {coefficient} * {call}"]
-        if writer.slow:  # evaluated only where something is open
-            slow = writer.slow
+        slow = writer.network.slow
+        if slow:  # evaluated only where something is open
             if path.mirror is not None:  # it goes by the chamber's own angle
                 slow, turned = slow.replace("(phi,", "(here,"), ["here = phi", *turned]
             result = [f"area = {call}", f"return {slow} * {coefficient} * area if area != 0.0 else 0.0"]
@@ -152,7 +149,7 @@ def write_pulsations(writer: ModelWriter, parts: Parts) -> None:
     """Write the relative offset and harmonics of each pulsating line's pressure (M185)."""
     if not parts.pulsations:
         return
-    writer.kernels.append(pulsation.harmonics)
+    writer.network.kernels[pulsation.harmonics.flat_name] = pulsation.harmonics
     calls = [""] * 2
     for part in parts.pulsations:
         offset, first = made(writer, part.offset), made(writer, part.harmonics[0])
@@ -214,9 +211,8 @@ def write_speed(writer: ModelWriter, pitch: float) -> None:
     start = writer.speed_curve = len(writer.numbers.values) + 1
     curve = writer.numbers.add(float(start), "speed_curve", structural=True)
     writer.numbers.values.extend(flat_curve(pitch).tolist())
-    writer.kernels.append(slowness)
     writer.network.kernels[slowness.flat_name] = slowness
-    writer.slow = writer.network.slow = f"{slowness.flat_name}(phi, P[P_PITCH], {curve}, P)"
+    writer.network.slow = f"{slowness.flat_name}(phi, P[P_PITCH], {curve}, P)"
 
 
 LAW_SYMBOLS = tuple(f"{name}_{side}" for name in ("p", "rho", "h", "exponent", "oil_ratio") for side in "12")

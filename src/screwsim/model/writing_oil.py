@@ -8,7 +8,7 @@ import numpy as np
 from screwsim.effects.base import OilGas, OilPort, OilSolution
 from screwsim.fluid import solubility
 from screwsim.fluid.orifice import orifice_flow, orifice_flow_behind_line
-from screwsim.model.network.network import identifier
+from screwsim.model.network.network import Flash, OilInflow, Solution, identifier
 from screwsim.model.numbers import SPAN, SUPPLY
 from screwsim.model.parts import OilPart, Parts
 from screwsim.model.writing import ModelWriter
@@ -32,7 +32,7 @@ def write_supply(writer: ModelWriter, oil: OilPart | None, pitch: float, omega: 
         law = orifice_flow_behind_line if "line_loss" in oil.supply else orifice_flow
         call = writer.call(law, oil.supply, {}, ("dp",), SUPPLY)
         span = "P[P_PITCH] / P[P_OMEGA]"
-        if not writer.slow:
+        if not writer.network.slow:
             span = writer.numbers.add(pitch / omega, "pitch_over_omega", SPAN)
         body = [f"dp = {separator} - p", f"return {call} * {span}"]
     writer.function("injected_oil(p, m, P)", body)
@@ -46,29 +46,29 @@ def write_ports(writer: ModelWriter, parts: Parts, port: OilPort) -> None:
         flow, before = f"P[P_TRAPPED] * {ratio} * {writer.call(port.pumped, port.values, {}, ('phi', 'TAB'))}", []
     else:
         flow, before = writer.call(port.flow, port.values, {}, ("phi", "p", "width")), ["width = P[P_DISCHARGE_WIDTH]"]
-    inflow = writer.network.inflow = writer.in_time(flow)
-    if writer.slow:
-        before = [*before, f"slow = {writer.slow}"]
+    inflow = writer.in_time(flow)
+    writer.network.inflow = OilInflow(inflow, parts.pumped)
+    if writer.network.slow:
+        before = [*before, f"slow = {writer.network.slow}"]
     writer.function("oil_inflow(phi, p, P, TAB)", [*before, f"return {inflow}"])
 
 
 def write_flash(writer: ModelWriter, parts: Parts, oil: OilPart, part: OilGas) -> None:
     """Write the gas that flashes out of entering oil at once, or that oil releases over time where it dissolves gas."""
-    content, state = parts.oil_content, parts.plenums[part.plenum]
+    content, state, cell = parts.oil_content, parts.plenums[part.plenum], identifier(part.plenum)
     assert content is not None
-    writer.network.gas_cell = identifier(part.plenum)
     if isinstance(content, OilSolution):
-        write_solution(writer, content)
+        write_solution(writer, content, cell)
         return
     curve = {"curve": (content.pressure, content.flashed)}
     call = writer.call(table_content, {}, curve, ("p", "TAB"), of="flash")
     enthalpy = writer.numbers.add(state.h, "flash_enthalpy")
     latent = writer.numbers.add(content.latent / oil.heat_capacity, "flash_latent")
-    writer.network.flash = call, enthalpy, latent
-    writer.network.flash_begins = writer.numbers.add(content.begins, BEGINS)
+    begins = writer.numbers.add(content.begins, BEGINS)
+    writer.network.flash = Flash(cell, call, enthalpy, latent, begins)
 
 
-def write_solution(writer: ModelWriter, content: OilSolution) -> None:
+def write_solution(writer: ModelWriter, content: OilSolution, cell: str) -> None:
     """Write the gas that a chamber's oil releases over time, and its entropy (M230–M233)."""
     z, s, rise = content.log_held, content.entropy, content.slope
     values = {"enthalpy": content.enthalpy, "release": content.release, "uptake": content.uptake}
@@ -78,9 +78,9 @@ def write_solution(writer: ModelWriter, content: OilSolution) -> None:
     call = writer.call(solubility.given_off, values, curve, free, of="solution")
     head, _, given = call.partition("(")
     assert given.startswith("m_oil, w, ")
-    inside = "slow * m_oil, w_gas, " if writer.slow else "m_oil, w_gas, "
-    writer.network.release = f"{head}({inside}{given.removeprefix('m_oil, w, ')}"
-    writer.network.supply_holds = writer.numbers.add(content.supply, "dissolved_in_supply")
+    inside = "slow * m_oil, w_gas, " if writer.network.slow else "m_oil, w_gas, "
+    release = f"{head}({inside}{given.removeprefix('m_oil, w, ')}"
+    writer.network.solution = Solution(cell, release, writer.numbers.add(content.supply, "dissolved_in_supply"))
     tables = {"curve": (z, s, _ends(rise)), "rest": (z, content.rest, _ends(-rise - content.rest))}
     call = writer.call(solubility.entropies, {}, tables, ("w", "TAB"), of="solution")
     writer.function("solution_entropy(w, P, TAB)", [f"return {call}"])

@@ -92,12 +92,14 @@ WALLED = ("an effect with a Wall",)
 HELD = ("an effect by which the oil gives off its gas over time",)
 SUBCRITICAL = ("gas.model: real with suction gas below its critical temperature",)
 GLIDING = (f"{SUBCRITICAL[0]}, a blend",)
+WETTED = (f"{SUBCRITICAL[0]} and gas.two_phase: equilibrium, a pure fluid",)
 AFTERCOOLED = ("operation.aftercooler_temperature", "with gas.relative_humidity, an effect with an aftercooler")
 # of condensate: relatively, saturation changes at least 15 times as much as temperature
 CONDENSED = Scale(15.0, ("water_flow",))
 
 _oiled, _cooled, _changed = (partial(Figure, needs=needs) for needs in (OILED, NEEDS_CONDENSER, CHANGED))
 _saturating, _gliding = (partial(Figure, needs=needs) for needs in (SUBCRITICAL, GLIDING))
+_wetted = partial(Figure, needs=WETTED)
 _humid = partial(Figure, needs=HUMID)
 _water = partial(_humid, shown="kg h-1")
 # proportional to the net gas flow
@@ -137,7 +139,7 @@ _CORE = (
     power_figure(
         "oil_lift_power", "power to raise the oil to discharge pressure, in addition to indicated power", needs=OILED
     ),
-    power_figure("shaft_power", "shaft power"),
+    power_figure("shaft_power", "shaft power; below zero: given off, by an expander"),
     Figure("shaft_torque", "N m", "mean torque at the shaft: shaft power over speed", Scale(times="ideal")),
     Figure("discharge_temperature", "K", "flow-weighted mean gas temperature at discharge"),
     Figure("oil_discharge_temperature", "K", "flow-weighted mean oil temperature at discharge", needs=HEATED),
@@ -198,6 +200,7 @@ _CORE = (
         "mean gas temperature at discharge above the dew point there",
         over("discharge_temperature", alone=True),
     ),
+    _wetted("discharge_quality", "1", "mass share of vapour in the gas as it leaves the chambers; 1 where it is dry"),
     _humid("humidity_ratio", "1", "water vapour per dry air in the suction line, by mass"),
     _humid("pressure_dew_point", "K", "dew point of the delivered air at discharge pressure"),
     _humid(

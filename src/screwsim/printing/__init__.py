@@ -11,9 +11,9 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, shown_name
 from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Result, sorted_entries, words_of_effects
-from screwsim.outputs.customary import engineering_temperature, scale, small_number_text, with_printed_units
+from screwsim.outputs.customary import engineering_temperature, scale, small_number_text
 from screwsim.outputs.display import grouped
-from screwsim.printing.tables import WIDTH, absent_figures, print_table, print_text, print_wrapped
+from screwsim.printing.tables import WIDTH, absent_figures, heading, print_table, print_text, print_wrapped
 from screwsim.screen import json_safe, printable, say
 
 COPS, ELECTRICAL = ("cop", "heating_cop"), "electrical_"
@@ -57,8 +57,8 @@ def print_result(
 ) -> None:
     """Print a result: warnings, the table of figures and the ledger, then notes, balances and numerics.
 
-    `left_out` has lines on what its scene does not simulate; `changed` lists the changes by the command line to the
-    scene named in the title; `idle` figures are left out where they are zero.
+    `left_out` has lines on what its scene shifts or does not simulate; `changed` lists the changes by the command line
+    to the scene named in the title; `idle` figures are left out where they are zero.
     """
     from rich.console import Console
 
@@ -66,7 +66,7 @@ def print_result(
     console.width = max(console.width, WIDTH)  # a narrower terminal breaks lines, where a table would cut its numbers
     doubted = impossible_figures(result)
     if title or doubted:
-        first = ": ".join(filter(None, (with_printed_units(title), doubted)))
+        first = ": ".join(filter(None, (heading(title, changed), doubted)))
         console.print(printable(first), style="bold", soft_wrap=bool(doubted))  # always in the first line, however long
     if changed:
         print_text(", ".join(changed))

@@ -26,9 +26,9 @@ def map_document(table: MapTable, files: Sequence[str]) -> dict[str, Any]:
     }
 
 
-def print_map(table: MapTable, files: Sequence[str]) -> None:
-    """Print a map, in SI units."""
-    print_scene_title(table.title)
+def print_map(table: MapTable, files: Sequence[str], changed: Sequence[str] = ()) -> None:
+    """Print a map, in SI units; `changed` has what the command line changes in its scene."""
+    print_scene_title(table.title, changed)
     inputs = zip(table.inputs, table.grid.nodes, strict=True)
     rows = [[one.name, f"{one.low:.6g}", f"{one.high:.6g}", plain(one.units), str(len(nodes))] for one, nodes in inputs]
     print_table(["input", "from", "to", "unit", "nodes"], rows, 1)
@@ -55,10 +55,12 @@ def _open_nodes(table: MapTable) -> str:
 Errors = Sequence[tuple[Mapping[str, float], Sequence[float]]]  # values of the other axes, errors of the figures
 
 
-def print_polynomials(document: Mapping[str, Any], figures: Sequence[str], rows: Errors, files: Sequence[str]) -> None:
-    """Print the largest error of each polynomial, one row per map, and the files."""
+def print_polynomials(
+    document: Mapping[str, Any], figures: Sequence[str], rows: Errors, files: Sequence[str], changed: Sequence[str] = ()
+) -> None:
+    """Print the largest error of each polynomial, one row per map, and the files; `changed` as of `print_map`."""
     title, fluid = document["title"], document["fluid"]
-    print_scene_title(title if fluid in title else f"{title} ({fluid})")
+    print_scene_title(title if fluid in title else f"{title} ({fluid})", changed)
     body = [[place_in_words(at) or "map", *map(_percent, errors)] for at, errors in rows]
     print_table(["largest error", *(name.replace("_", " ") for name in figures)], body, 1)
     say("\n".join(files))
@@ -69,9 +71,9 @@ def loads_document(found: ExportedLoads, result: Result, files: Sequence[str]) -
     return {**document(found), "status": result.status, "files": files}
 
 
-def print_loads(found: ExportedLoads, result: Result, files: Sequence[str]) -> None:
-    """Print mean and first harmonics of each curve, and the files."""
-    print_scene_title(found.title or "loads")
+def print_loads(found: ExportedLoads, result: Result, files: Sequence[str], changed: Sequence[str] = ()) -> None:
+    """Print mean and first harmonics of each curve, and the files; `changed` by the command line in the scene."""
+    print_scene_title(found.title or "loads", changed)
     print_text(f"status: {result.told if result.message else result.status}; lobe frequency {found.frequency:.5g} Hz")
     rows = [
         [name, unit_of(name), *(f"{each.amplitude:.4g}" for each in spectrum[:4])]

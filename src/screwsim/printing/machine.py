@@ -15,6 +15,8 @@ from screwsim.results.atomic import protect_others, write_csv
 from screwsim.screen import say
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from screwsim.scene import Scene
     from screwsim.solve.start_up import StartUp
     from screwsim.study.datasheet import Sheet
@@ -43,9 +45,9 @@ FIGURE_ROWS = (
 )
 
 
-def print_startup(title: str, found: StartUp) -> None:
-    """Print the figures of a start-up."""
-    print_scene_title(title)
+def print_startup(title: str, found: StartUp, changed: Sequence[str] = ()) -> None:
+    """Print the figures of a start-up; `changed` has what the command line changes in the scene."""
+    print_scene_title(title, changed)
     print_text(f"status: {found.status}{f', {found.message}' if found.message else ''}")
     print_wrapped(f"warning: {warning}" for warning in found.warnings)
     if found.figures:

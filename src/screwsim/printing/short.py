@@ -6,9 +6,9 @@ from screwsim.figures import declared
 from screwsim.figures.engineering import engineering, shown_name
 from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Result
-from screwsim.outputs.customary import small_number_text, with_printed_units
+from screwsim.outputs.customary import small_number_text
 from screwsim.printing import impossible_figures
-from screwsim.printing.tables import print_table, print_text, print_wrapped, wrapped
+from screwsim.printing.tables import heading, print_table, print_text, print_wrapped, wrapped
 from screwsim.screen import printable, say
 
 MOST_FIGURES = 10  # most figures
@@ -40,7 +40,7 @@ def print_short(title: str, result: Result, changed: Sequence[str] = (), ambient
     The figures have their numerical errors, if there are any. `ambient` is the pressure [Pa] over which that at a
     package's outlet is given, too.
     """
-    first = ": ".join(filter(None, (with_printed_units(title), impossible_figures(result))))
+    first = ": ".join(filter(None, (heading(title, changed), impossible_figures(result))))
     if first:
         say(_cut_to_lines(printable(first), 1))
     if changed:

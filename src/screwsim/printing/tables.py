@@ -59,8 +59,13 @@ def wrapped(text: str) -> str:
 
 
 def print_scene_title(title: str, changed: Sequence[str] = ()) -> None:
-    """Print a title, if any, in lines that fit, with its units as printed, and what the command line changes."""
-    print_wrapped(filter(None, [with_printed_units(title), ", ".join(changed)]))
+    """Print a title, if any, in lines that fit, and what the command line changes."""
+    print_wrapped(filter(None, [heading(title, changed), ", ".join(changed)]))
+
+
+def heading(title: str, changed: Sequence[str] = ()) -> str:
+    """Return a title with its units as printed, which says so where what it tells may be changed by the next line."""
+    return f"{with_printed_units(title)}{', changed' if title and changed else ''}"
 
 
 def column_heads(paths: Sequence[str]) -> list[str]:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from screwsim.inputs.faults import UsageError
 
@@ -14,11 +15,17 @@ if TYPE_CHECKING:
 __all__ = ["plot"]
 
 
-def plot(path: str | Path, folder: str | Path | None = None, measured: Indicated | None = None) -> list[str]:
+def plot(
+    path: str | Path,
+    folder: str | Path | None = None,
+    measured: Indicated | None = None,
+    at: Mapping[str, Any] | None = None,
+) -> list[str]:
     """Write every figure that a results file has data for, and return the paths of the files.
 
     `folder` (default: beside the file, named after its stem) is created if missing; pressures `measured` in a chamber
-    are drawn beside those of the cycle. Raise UsageError in one line when the file is not a results file or has nothing
+    are drawn beside those of the cycle, which in a sweep is that of the best case, or of the best one `at` values of
+    its paths (`Results.showing`). Raise UsageError in one line when the file is not a results file or has nothing
     to draw, or when the folder cannot be written.
     """
     from screwsim.report import cycle, entropy, front, ledger, maps, samples, sweeps
@@ -27,6 +34,10 @@ def plot(path: str | Path, folder: str | Path | None = None, measured: Indicated
 
     path = Path(path)
     results = open_results(path)
+    if at:
+        results = results.showing(at)
+        if "angle" not in results.cycle:
+            raise UsageError(f"{path}: holds no cycle of a case to draw (write output.keep: cycle in its scene)")
     kinds = (front, sweeps, samples, maps, cycle, entropy, ledger)
     plans = dict(plan for kind in kinds for plan in kind.plans(results, *([measured] if kind is cycle else [])))
     for stage, own in results.stages.items():

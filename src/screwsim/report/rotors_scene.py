@@ -26,6 +26,7 @@ from screwsim.scene.types import ActiveEffect, Scene
 
 TABLE_WIDTH = 79  # line width of the table, for a terminal
 DEG = 180.0 / math.pi
+SAME_ANGLE = 1e-9  # [rad] below which two angles of a table are the same
 LISTED_RATIOS = (2.2, 2.6, 3.2, 4.0)  # built-in volume ratios whose angles are listed beside the scene's
 _SHOWN = {"m^2": (1e6, "mm²"), "m^3": (1e6, "cm³"), "rad": (DEG, "°"), "m": (1e3, "mm"), "1": (1.0, "")}
 OF_PROFILE = {  # key of an effect -> length of the profile that it takes by default
@@ -51,11 +52,16 @@ def curves_of(scene: Scene) -> LaidCurves:
     return laid_curves(twin_screw(scene.machine))
 
 
+def _volume_ratio(scene: Scene, laid: LaidCurves) -> float:
+    """Return the volume ratio that the scene states, or that of a discharge port which a table opens."""
+    return twin_screw(scene.machine).built_in_volume_ratio or closed_in(laid.rotors, laid.curves)[1]
+
+
 def coefficients(scene: Scene) -> dict[str, tuple[float, str, str]]:
     """Return {name: (value [SI], unit, meaning)} of the rotors, and of their position on the scene's angle axis."""
     laid = curves_of(scene)
     rotors, own = laid.rotors, laid.rotors.coefficients()
-    ratio = float(twin_screw(scene.machine).built_in_volume_ratio or 0.0)
+    ratio = _volume_ratio(scene, laid)
     longest = {path.name: float(path.curve.value.max()) for path in laid.curves.paths}
     own["male_tip_length"] = (longest["male_tip"], "m", "longest part of a male tip that seals on the bore at any time")
     own["female_tip_length"] = (longest["female_tip"], "m", "the same for a female tip")
@@ -122,7 +128,7 @@ def write(scene: Scene, folder: Path) -> list[str]:
     """Write figures, profiles, page, and tables with their scene; return all paths."""
     laid = curves_of(scene)
     machine = twin_screw(scene.machine)
-    ratio, axial = float(machine.built_in_volume_ratio or 0.0), machine.axial_volume_ratio
+    ratio, axial = _volume_ratio(scene, laid), machine.axial_volume_ratio
     tables = folder / "table"
     texts = {folder / "rotors.html": page(laid, with_printed_units(scene.title))}
     texts |= {tables / name: text for name, text in table_files(scene, tables).items()}
@@ -178,13 +184,16 @@ def _with_own_lengths(scene: Scene) -> dict[str, ActiveEffect]:
 
 
 def _csv(table: Table, unit: str) -> str:
-    return curve_csv(Curve(table.angle, table.value, unit, ()))
+    """Return a table up to where it ends, without the row of zero that says so to the machine's own splines."""
+    inside = table.angle <= table.ends[1] + SAME_ANGLE
+    return curve_csv(Curve(table.angle[inside], table.value[inside], unit, ()))
 
 
 def _path_csv(interfaces: tuple[Interface, ...], gap: float | None) -> str:
     """Return the sum of all interfaces with the first one's offset (such as blow-holes at both cusps) as one table."""
     tables = [interface.table for interface in interfaces if interface.offset == interfaces[0].offset]
     angle = np.unique(np.concatenate([table.angle for table in tables]).round(9))
+    angle = angle[angle <= max(table.ends[1] for table in tables) + SAME_ANGLE]
     value = np.sum([np.interp(angle, table.angle, table.value, left=0.0, right=0.0) for table in tables], axis=0)
     return curve_csv(Curve(angle, (gap or 1.0) * value, "m^2", ()))
 
@@ -201,6 +210,8 @@ def _tabled_curves(scene: Scene, laid: LaidCurves, folder: Path) -> Any:
         if (port := getattr(machine, name)) is not None and port.from_rotors
     }
     stated = {name: plain(getattr(machine, name)) for name in sizes}
-    rotors = ("profile", "displacement", "built_in_volume_ratio", "axial_volume_ratio", "slide_valve")
+    rotors = ["profile", "displacement", "axial_volume_ratio", "slide_valve"]
+    if "discharge_port" in ports:  # a table of the scene's own stays, and with it the ratio to which it is moved
+        rotors.append("built_in_volume_ratio")
     more: dict[str, Any] = {**dict.fromkeys(rotors), **ports, **stated}
     return replace(machine, volume=volume, **more)

@@ -3,7 +3,7 @@
 Where the oil ratio is an outcome of the speed, as of a displacement supply: efficiency over it (the paper's Fig. 2).
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -39,6 +39,7 @@ OTHER_FIGURES = (
     "cooling_capacity",
     "cop",
 )
+CURVE = "curve"  # gid of the line of a curve
 _LEAST_SPAN = 0.01  # of an axis over its values, so that numerical noise is not magnified
 _BAND = 0.16  # opacity of a band
 _MOST_CURVES, _CURVES_SHOWN = 16, 9  # more curves than the first number are unreadable: the second is drawn
@@ -129,17 +130,18 @@ def thinned(curves: list[Curve]) -> tuple[list[Curve], str]:
     return [curves[i] for i in chosen], f"{len(chosen)} of {len(curves)} curves"
 
 
-def draw_curves(axes: Any, curves: list[Curve], optima: bool) -> int:
+def draw_curves(axes: Any, curves: list[Curve], optima: bool, looks: Sequence[Mapping[str, Any]] | None = None) -> int:
     """Draw curves, with crosses where a case did not close, triangles for warnings, circles at optima; count these.
 
-    A band around a curve shows the tolerances of its inputs, if any. The parabola of an optimum is drawn thin, since it
-    may leave the straight lines between distant points.
+    `looks` are properties of the lines, by default colours and dashes in their order; their gid is `CURVE`. A band
+    around a curve shows the tolerances of its inputs, if any. The parabola of an optimum is drawn thin, since it may
+    leave the straight lines between distant points.
     """
     found = 0
     marker = "." if sum(len(curve.x) for curve in curves) <= _POINTS_SHOWN else "None"
     for i, curve in enumerate(curves):
-        style = line_style(i, len(curves))
-        axes.plot(curve.x, curve.y, **style)
+        style = line_style(i, len(curves)) if looks is None else looks[i]
+        axes.plot(curve.x, curve.y, gid=CURVE, **style)
         if curve.banded:
             axes.fill_between(curve.x, curve.low, curve.high, color=style["color"], alpha=_BAND, linewidth=0.0)
         look = {"color": style["color"], "markersize": 3.0, "markeredgewidth": 0.6}

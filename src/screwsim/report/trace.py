@@ -66,13 +66,15 @@ def case_title(results: Results, index: tuple[int, ...]) -> str:
     """Return the title of a case: its values in a sweep, whether it failed to close, its warnings; '' if none apply."""
     title = ", ".join(value_of(axis, i) for axis, i in zip(results.axis_list, index, strict=True))
     status = "" if np.asarray(results.status)[index] == "ok" else "not closed"
-    told = (f"best case: {title}" if title else "", status, warning_caption(warnings_of(results, index)))
+    best = title and (results.asked is None or results.asked.sum() > 1)
+    told = (f"best case: {title}" if best else title, status, warning_caption(warnings_of(results, index)))
     return "; ".join(part for part in told if part)
 
 
 def best_case(results: Results) -> tuple[int, ...] | None:
-    """Return the index of the case with the best efficiency among those with a cycle, closed ones first."""
+    """Return the index of the case with the best efficiency among those asked for with a cycle, closed ones first."""
     there = np.isfinite(results.cycle["pressure"]).any(axis=-1)
+    there = there if results.asked is None else there & results.asked
     if not there.any():
         return None
     closed = there & (np.asarray(results.status) == "ok")

@@ -19,6 +19,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import ITSELF, STATUSES, Figure, Variable, shown_of
 from screwsim.outputs.display import About, Brief, cf_unit, value_text
 from screwsim.results import stored
+from screwsim.results.chosen import cases_with
 from screwsim.results.group import OWN, Group, labels_of, values_of
 from screwsim.results.schema import RELATIVE_TO, SCHEMA, Axis, quantities_along, scene_unit, variable_name
 from screwsim.results.stored import REMEDY, MalformedFile, opened
@@ -58,6 +59,7 @@ class Results(Brief):
     derivatives: Group  # over `number`: of each figure by each number of the scene; empty unless requested
     stages: Mapping[str, Results] = field(default_factory=dict, kw_only=True)  # on the same axes; empty for one machine
     stage: str = field(default="", kw_only=True)  # the name of this one of two stages
+    asked: np.ndarray | None = field(default=None, kw_only=True)  # cases of which one's cycle is drawn; None: of all
 
     @property
     def scene_yaml(self) -> str:
@@ -114,6 +116,13 @@ class Results(Brief):
         """Accuracy that the scene asks for, in each case; of two stages that of the less accurate one."""
         every = [each.stated(ACCURACY) for each in self.stages.values()] or [self.stated(ACCURACY)]
         return np.max(every, axis=0)
+
+    def showing(self, values: Mapping[str, Any]) -> Results:
+        """Return these results, of whose cycles that of the best case with these values is drawn.
+
+        values: {dotted path: number [SI] or text with its unit}, of paths that the sweep varies.
+        """
+        return replace(self, asked=cases_with(self, values))
 
     def holder(self, name: str) -> tuple[Results, str]:
         """Return the results that have a figure, and its name there: of two stages `first_` and `second_` are each."""

@@ -52,6 +52,14 @@ def _lines(operation: Operation, gas: GasSettings) -> Lines:
     return Lines(suction.pressure, _wet(fluid, suction.pressure, T_s, suction.quality), p_d, suction.quality)
 
 
+def discharge_path(operation: Operation) -> str:
+    """Return the path by which a scene states the pressure of its discharge line."""
+    if operation.gas_cooler is not None:
+        return "operation.gas_cooler.pressure"
+    stated = operation.condensing_temperature is not None
+    return "operation.condensing_temperature" if stated else "operation.discharge.pressure"
+
+
 def _wet(fluid: str, p_s: float, T_s: float, quality: float | None) -> float:
     """Return the temperature [K] of suction gas: T_s, or for a wet blend its temperature below the dew point (M353)."""
     return T_s if quality is None or not is_blend(fluid) else constants.wet_temperature(fluid, p_s, quality)

@@ -41,6 +41,7 @@ from screwsim.scene.yaml_tree import (
 )
 
 SET = "--set "  # prefix of an override in messages
+LONGEST_TOLD = 80  # characters of an override that messages repeat; of a longer mapping or list the path alone
 MOST_BASES = 32  # longest chain of bases
 SceneLike = Scene | str | os.PathLike[str] | Mapping[str, Any]  # what `scene_of` takes
 _SCENES = "a path, a dict as in the file, YAML text, or a Scene of screwsim.load"
@@ -257,7 +258,8 @@ def _override(root: Node, override: str, place: Position, problems: LocatedFault
         raise UsageError(f"{told}{one_line(override)}: is not PATH=VALUE (write e.g. {example})")
     if path == "base":
         raise UsageError(f"{told}base=…: a base must be stated in the file (write it there, or name the other scene)")
-    place = replace(place, source=f"{told}{override}")
+    whole = len(override) <= LONGEST_TOLD or text.lstrip()[:1] not in ("{", "[")
+    place = replace(place, source=f"{told}{override if whole else f'{path}=…'}")
     node = _override_value(text, place, path, problems)
     if node is None:
         return root

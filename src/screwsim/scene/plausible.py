@@ -24,10 +24,11 @@ from screwsim.fluid import constants
 from screwsim.fluid.models import condenses, find_gas_model
 from screwsim.fluid.oils import OILS
 from screwsim.fluid.settings import GasSettings
-from screwsim.inputs.declare import KINDS, UNBOUNDED, VOLUME, is_derived
+from screwsim.inputs.declare import AREA, KINDS, UNBOUNDED, VOLUME, is_derived
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import counted, joined_names
 from screwsim.machine.kinds import kind_of
+from screwsim.machine.moved_port import opening_row
 from screwsim.machine.paper_law import TURN
 from screwsim.machine.rotors.settings import Profile, unused_parameters
 from screwsim.machine.settings import TwinScrew, VolumeLaw
@@ -45,6 +46,7 @@ MILLIKELVIN = 1e-3  # [K]
 ASK_IF_MEANT = "is that intended?"
 # share of the largest volume that a table's smallest may have: the displacement is off by as much
 LEAST_VOLUME_SHARE = 1e-3
+LEAST_SHIFT = 0.5  # [deg] of a tabulated port that is told
 MIRRORED_RATIO = 1.5  # ratio of a lobe's blow-hole areas from which it looks mirrored: asymmetric profiles have 0.1
 RESCALED_DEVIATION = 0.01  # relative deviation allowed between a table's largest volume and the stated one
 # over its largest slope, how far a table's slope may jump back and forth; cut-off digits give half of it
@@ -286,6 +288,21 @@ def _films(scene: Scene) -> Iterator[tuple[str, str]]:
 def left_out_lines(scene: Scene) -> list[str]:
     """Return one line each on the leaks that a scene omits and on the number of effects that it omits."""
     return [line for line in (leaks_in_words(scene), left_out_in_words(scene)) if line]
+
+
+def moved_port_lines(scene: Scene) -> list[str]:
+    """Return a line on a tabulated discharge port that the built-in volume ratio shifts noticeably."""
+    machine = scene.machine
+    port = machine.discharge_port if isinstance(machine, TwinScrew) else None
+    ratio = getattr(machine, "built_in_volume_ratio", None)
+    if port is None or port.file is None or ratio is None:
+        return []
+    drawn = math.degrees(opening_row(*read_curve(port.file, AREA)))
+    opens = math.degrees(kind_of(machine).geometry(machine).discharge_law().opens or 0.0)
+    if abs(opens - drawn) < LEAST_SHIFT:
+        return []
+    what = f"the table of machine.discharge_port opens at {drawn:.4g} deg, and is shifted to {opens:.4g} deg by"
+    return [f"{what} machine.built_in_volume_ratio: {ratio:g} (null keeps it as it is)"]
 
 
 def idle_figures(scene: Scene) -> tuple[str, ...]:

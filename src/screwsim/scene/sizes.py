@@ -6,13 +6,14 @@ make the pressure follow that of the line, and are allowed.
 """
 
 import math
+import os
 from collections.abc import Iterator
 from itertools import groupby
 from typing import Any
 
 from screwsim.effects.base import Effect
-from screwsim.inputs.declare import KINDS
-from screwsim.inputs.faults import Fault
+from screwsim.inputs.declare import AREA, KINDS
+from screwsim.inputs.faults import Fault, UsageError
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.protocol import MachineKind, Size, Speed
 from screwsim.numerics.identity_cache import IdentityCache
@@ -22,14 +23,28 @@ from screwsim.scene.types import Scene
 from screwsim.scene.units import readable_quantity
 
 _EFFECTS = "effects"
+IN_TABLE = "areas are in m^2; is the unit right?"
 
 
 def _size_ratios(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[Size, float]]:
     """Yield each of these sizes that the scene states, and its ratio to the machine's reference dimension."""
     for size in sizes:
-        value = value_at(scene, size.path)
+        value = _size_at(scene, size.path)
         if value is not None:
             yield size, value / size.of(scene.machine)
+
+
+def _size_at(scene: Scene, path: str) -> float | None:
+    """Return a size of the scene [SI], of a table its largest area [m²]; None without it."""
+    value = value_at(scene, path)
+    if not isinstance(value, str):
+        return value
+    from screwsim.numerics.spline import read_curve  # here: scenes without tables start faster
+
+    try:
+        return float(max(read_curve(value, AREA)[1]))
+    except UsageError:  # reported where files are checked
+        return None
 
 
 def _surface_speed(scene: Scene) -> tuple[float, Speed]:
@@ -62,7 +77,7 @@ def area_fault(scene: Scene, largest: float) -> str | None:
     if size is None or largest <= size.most * size.of(scene.machine):
         return None
     what = f"its largest area of {largest:.4g} m² is {_times(largest / size.of(scene.machine), size.what)}"
-    return f"{what}, which is impossible (areas are in m^2; is the unit right?)"
+    return f"{what}, which is impossible ({IN_TABLE})"
 
 
 def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
@@ -123,7 +138,8 @@ def _beyond(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[Fault]:
     for size, share in _size_ratios(scene, sizes):
         if share > size.most:
             what = f"{_shown(scene, size.path)} is {_times(share, size.what)}, which is impossible"
-            yield Fault(size.path, f"{what} ({size.remedy})")
+            tabled = isinstance(value_at(scene, size.path), str)
+            yield Fault(size.path, f"{what} ({IN_TABLE if tabled else size.remedy})")
 
 
 def _unusual(scene: Scene, sizes: tuple[Size, ...]) -> Iterator[tuple[str, str]]:
@@ -142,5 +158,9 @@ def _times(share: float, what: str) -> str:
 
 
 def _shown(scene: Scene, path: str) -> str:
+    name = value_at(scene, path)
+    if isinstance(name, str):
+        area = readable_quantity(KINDS["area"], _size_at(scene, path) or 0.0)
+        return f"{os.path.relpath(name, scene.folder)!r}: its largest area, {area},"
     kind = "volume" if path.endswith((".max", ".min", ".clearance")) else "area" if path.endswith("area") else "length"
     return readable_quantity(KINDS[kind], value_at(scene, path) or 0.0)

@@ -141,7 +141,8 @@ def _choice(leaf: Leaf, raw: Any, folder: str) -> str:
     called = _CALLED.get(raw.lower().replace(" ", "_")) if isinstance(raw, str) else None
     near = called if called in options else nearest(raw, options) if isinstance(raw, str) else None
     hint = f"; did you mean '{near}'?" if near else ""
-    raise Refused(f"{shown(raw)} is not an option{hint} (choose from: {', '.join(options)})")
+    own = ", or the dotted name of a module of your own" if "own" in leaf.limits and not near else ""
+    raise Refused(f"{shown(raw)} is not an option{hint} (choose from: {', '.join(options)}{own})")
 
 
 def _word(leaf: Leaf, raw: Any, folder: str) -> str:

@@ -1,15 +1,15 @@
 """Surroundings that follow from the cycle: the temperatures of the oil's circuit (M284) and a package's losses (M343).
 
 A cycle is closed with given temperatures of oil supply and separator and given pressure losses; its flows into the
-separator then imply other values (`evaluate.separator`). Broyden's method makes the two agree, starting from the
-Jacobian of the circuit's own heat capacities or from that of the point before, and learns the chambers' response. Every
-cycle starts from the one before and is closed only as accurately as the next step needs. The last one is closed as
-accurately as the scene asks, with its errors estimated; it is repeated where the surroundings do not agree so well.
+separator then imply other values (`evaluate.separator`). Broyden's method makes the two agree (`surroundings_steps`),
+starting from the Jacobian of the circuit's own heat capacities or from that of the point before, and learns the
+chambers' response. Every cycle starts from the one before and is closed only as accurately as the next step needs. The
+last one is closed as accurately as the scene asks, with its errors estimated; it is repeated where the surroundings do
+not agree so well.
 """
 
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -38,90 +38,50 @@ from screwsim.solve.surroundings import (
     surroundings_follow,
     unknowns_of,
 )
-from screwsim.solve.surroundings_errors import errors_with_unknowns, learnt_slopes, secant_updated
+from screwsim.solve.surroundings_errors import LearntResponse, Seen, errors_with_unknowns
+from screwsim.solve.surroundings_steps import LONGEST_STEP, BroydenSteps, started_jacobian
 
 Array = np.ndarray
 MOST_CYCLES = 20  # cycles of one search
 MOST_REPETITIONS = 8  # repetitions of the final cycle
 OPEN = 0.2  # of the wanted accuracy: admissible residual of the circuit over the shaft power, or of a pressure
 NOISE = 2.0  # error of a cycle's residuals over the larger of its last turn's change and its open balances
-LEAST_DECAY = 0.05  # smallest −(real part of an eigenvalue) of a Jacobian that is accepted
-LONGEST_STEP = 40.0  # [K, kPa], longest step
-STAYS = 3  # cycles that held an unknown at an end of its range, from which on it does not leave with the others' steps
 HALVINGS = 6  # of a step to impossible oil or effects, or to where no cycle closes or one implies nothing
 WARMER_STARTS = (15.0, 30.0, 50.0)  # [K] above the first guess, tried where no cycle closes with that
 CONTRACTION = 0.1  # expected ratio of the residual after a step to that before ...
 LEARNT_CONTRACTION = 0.01  # ... the same with the Jacobian of the point before ...
 ROUGH_TOLERANCE = 0.05  # ... and tolerance on changes, over the expected residual, with which the next cycle is closed
 ROUGHEST_RTOL = 1e-3  # largest tolerance of a step in such a cycle; looser ones may diverge
-LEAST_DISTANCE = 0.05  # [K, kPa], smallest distance of two cycles from which sensitivities are taken
 LARGEST_LOSS = 0.98  # largest pressure loss before the machine, over the suction pressure
-
-
-class _Seen(NamedTuple):
-    """What a cycle of a search showed: unknowns, what they are `off` by and the error of that [K, kPa], and figures."""
-
-    x: Array
-    off: Array
-    wrong: float
-    figures: Figures = Figures()
 
 
 @dataclass
 class SurroundingsSearch:
-    """The state of the search, on a course of its own: Jacobian, last step, cost of the cycles."""
+    """The search, on a course of its own: Broyden's steps, what was learnt for errors, and the cycles closed for it."""
 
     series: Series
     stated: float  # [rad/s], the stated speed
     course: Course = field(default_factory=Course)
     cost: Cost = field(default_factory=Cost)  # of closing the cycles
     why: str = ""  # why it ended without a solution
-    jacobian: Array | None = None
-    last: _Seen | None = None  # the cycle before
-    held: Array | None = None  # how many cycles have held each unknown at an end of its range
+    steps: BroydenSteps = field(default_factory=BroydenSteps)
+    learnt: LearntResponse = field(default_factory=LearntResponse)
     noise: float = 0.0  # error of the last cycle's residuals over the shaft power
-    response: Array | None = None  # the Jacobian as steps of at least `LEAST_DISTANCE` alone have it, for errors
-    seen: list[_Seen] = field(default_factory=list)
     expected: float = FIRST_OPEN  # residual of the next cycle
     contracts: float = CONTRACTION  # expected ratio of residuals over a step
     cycle: CycleSolution | None = None  # the last cycle; None where it was closed less tightly than the scene asks
     left_open: tuple[Problem, CycleSolution] | None = None  # the last that closing as asked left open, and its problem
 
     def step(self, x: Array, asked: ImpliedSurroundings) -> Array:
-        """Return the next change of the unknowns [K, kPa] from x by Broyden's method.
-
-        An update that would reverse the response of the circuit (see `LEAST_DECAY`) is not learnt.
-        """
-        off, wrong = asked.off, self._error_of(asked)
-        if self.jacobian is None:
-            self.jacobian = started_jacobian(asked)
-        elif self.last is not None and np.any(x != self.last.x):
-            moved, change = x - self.last.x, off - self.last.off
-            self.jacobian = _learnt(self.jacobian, change, moved, _weight(moved, wrong, self.last.wrong))
-        self.last = _Seen(x, off, wrong)
-        self.held = ~asked.free + (0 if self.held is None else self.held)
-        free, found = asked.free | (self.held < STAYS), np.zeros(len(off))
-        found[free] = -np.linalg.solve(self.jacobian[np.ix_(free, free)], off[free])
-        largest = float(np.max(np.abs(found)))
-        return found * min(1.0, LONGEST_STEP / largest) if largest > 0.0 else found
+        """Return the next change of the unknowns [K, kPa] from x."""
+        return self.steps.step(x, asked, self._error_of(asked))
 
     def learn(self, of: Evaluation, x: Array, asked: ImpliedSurroundings) -> Array:
-        """Record a cycle, and the slopes of figures and residuals by the last one at least `LEAST_DISTANCE` from it.
-
-        Return the response of the residuals to the unknowns, as it is then known.
-        """
-        if self.response is None:
-            self.response = started_jacobian(asked) if self.jacobian is None else self.jacobian
-        wrong = self._error_of(asked)
-        for before in reversed(self.seen):
-            moved = x - before.x
-            if float(np.max(np.abs(moved))) > LEAST_DISTANCE:
-                weight = _weight(moved, wrong, before.wrong)
-                self.known.slopes = learnt_slopes(self.known.slopes, of, before.figures, moved, weight)
-                self.response = _learnt(self.response, asked.off - before.off, moved, weight)
-                break
-        self.seen.append(_Seen(x, asked.off, wrong, of.figures))
-        return self.response
+        """Record a cycle; return the response of the residuals to the unknowns, as it is then known."""
+        known, jacobian = self.known, self.steps.jacobian
+        started = started_jacobian(asked) if jacobian is None else jacobian
+        known.slopes = self.learnt.add(of, Seen(x, asked.off, self._error_of(asked), of.figures), started, known.slopes)
+        return self.learnt.response
 
     def _error_of(self, asked: ImpliedSurroundings) -> float:
         """Return the error [K, kPa] of what the last cycle implies, since it is not closed better."""
@@ -220,25 +180,6 @@ class SurroundingsSearch:
         return undefined
 
 
-def started_jacobian(asked: ImpliedSurroundings) -> Array:
-    """Return the Jacobian with which a search begins: what a cycle asks for is what it then has."""
-    found = -np.eye(len(asked.off))
-    found[1, 0] = asked.share
-    return found
-
-
-def _weight(moved: Array, *wrong: float) -> float:
-    """Return the share to be learnt of what a move of the unknowns shows, by what was wrong at its ends [K, kPa]."""
-    length = float(moved @ moved)
-    return length / (length + sum(each * each for each in wrong))
-
-
-def _learnt(jacobian: Array, change: Array, moved: Array, weight: float) -> Array:
-    """Return a Jacobian by Broyden's update, or the old one where that would reverse the circuit's response."""
-    learnt = secant_updated(jacobian, change, moved, weight)
-    return learnt if np.all(np.linalg.eigvals(learnt).real < -LEAST_DECAY) else jacobian
-
-
 def _rough_criteria(criteria: ClosingCriteria, open_: float) -> ClosingCriteria:
     """Return criteria for a cycle whose surroundings will leave the residual `open_`; unchanged where too small."""
     tolerance, bound = ROUGH_TOLERANCE * open_, CONTRACTION * open_
@@ -288,8 +229,8 @@ def steady_state(problem: Problem, series: Series) -> tuple[Problem, Surrounding
     problem = at_motor_speed(problem, series)
     known, stated = search.known, stated_numbers(problem)
     known.begin(len(unknowns_of(problem)))
-    search.jacobian, search.expected = known.around
-    search.contracts = CONTRACTION if search.jacobian is None else LEARNT_CONTRACTION
+    search.steps.jacobian, search.expected = known.around
+    search.contracts = CONTRACTION if search.steps.jacobian is None else LEARNT_CONTRACTION
     of = _first_cycle(search, problem, known.expected(stated))
     if of is None:
         return problem, search
@@ -312,7 +253,7 @@ def steady_state(problem: Problem, series: Series) -> tuple[Problem, Surrounding
             break
         of = after
     if first is not None:
-        known.around = search.jacobian, first.open
+        known.around = search.steps.jacobian, first.open
         known.add(stated, stated_numbers(of.problem), unknowns_of(of.problem))
     return of.problem, search
 

@@ -68,30 +68,49 @@ def estimated_errors(
     if not finer.solutions:
         return Figures(dict.fromkeys(found)), None
     reach_station()
-    finer_life = machinery.trajectory
+    finer_life, whole = machinery.trajectory, _whole_over_shown(request, finer)
     errors = _errors_shown(of, here, finer, hides_flow=request.filling < LEAST_DELIVERY)
-    c = of.problem.composition
-    told = c.chambers == 1 or way_of(cycle).whole or finer.left is not None  # feedback through other chambers seen
-    among_leaks = not told and request.filling < LEAKY_BELOW  # leaks dominate: errors pass from turn to turn
-    whole = WHOLE * ((LEAKY_FACTOR if request.filling > 0.0 else NO_DELIVERY_FACTOR) if among_leaks else 1.0)
     left = cycle.left if len(finer.solutions) == 1 else 0.0  # a second life shows it
     flows = {name for name, about in found.about.items() if about.by_flow}  # of which a corrected life shows nothing
     for name, size in errors.items():
         if size is not None:
             errors[name] = whole * size + (left if size > 0.0 or name in flows else 0.0)
-    lost_flow = {"by_flow": whole * finer.flow} if finer.flow else {}
-    if request.hidden and request.filling > 0.0:
-        lost_flow["by_flow"] = LEAST_DELIVERY_ERROR * (errors.get("trapped_mass") or 0.0) / request.filling
-    if _closed_on_noise(request):
-        lost_flow["by_flow"] = max(lost_flow.get("by_flow", 0.0), cycle.change / abs(request.filling))
-    lost_now = [flow_errors(found, lost, by) for by, lost in lost_flow.items()]
     unpaced = cycle.contraction >= 1.0 and len(finer.solutions) == 1
-    warming = later_warming_errors(of, cycle) if unpaced else Figures()
-    for each in (*lost_now, *open_balance_errors(of, cycle), warming, *_misread(request, finer_life, finer, errors)):
+    further = [
+        *_lost_flow(request, finer, errors, whole),
+        *open_balance_errors(of, cycle),
+        *([later_warming_errors(of, cycle)] if unpaced else []),
+        *_misread(request, finer_life, finer, errors),
+    ]
+    for each in further:
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
     of_squares(found, errors)
     return errors, finer.corrected_state or finer.cycle
+
+
+def _whole_over_shown(request: EstimateRequest, finer: FinerSolutions) -> float:
+    """Return the factor from the change to finer solutions to the error that the closed cycle has.
+
+    Where leaks dominate, errors of waveform relaxation pass from turn to turn: simultaneous closing, or a correction,
+    shows that feedback through other chambers.
+    """
+    chambers = request.problem.composition.chambers
+    told = chambers == 1 or way_of(request.cycle).whole or finer.left is not None
+    if told or request.filling >= LEAKY_BELOW:
+        return WHOLE
+    return WHOLE * (LEAKY_FACTOR if request.filling > 0.0 else NO_DELIVERY_FACTOR)
+
+
+def _lost_flow(request: EstimateRequest, finer: FinerSolutions, shown: Figures, whole: float) -> Iterator[Figures]:
+    """Yield the errors of what goes with the net flow, of which lives that finer solutions leave out show nothing."""
+    lost = whole * finer.flow if finer.flow else None
+    if request.hidden and request.filling > 0.0:
+        lost = LEAST_DELIVERY_ERROR * (shown.get("trapped_mass") or 0.0) / request.filling
+    if _closed_on_noise(request):
+        lost = max(lost or 0.0, request.cycle.change / abs(request.filling))
+    if lost is not None:
+        yield flow_errors(request.of.figures, lost)
 
 
 def _misread(request: EstimateRequest, life: Trajectory, finer: FinerSolutions, known: Figures) -> Iterator[Figures]:

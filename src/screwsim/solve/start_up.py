@@ -7,7 +7,7 @@ integrated at the speed over time, and the drive under the torque of the chamber
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -26,12 +26,13 @@ from screwsim.model import compiled, leases, speed
 from screwsim.model.renumbering import set_speed
 from screwsim.model.run import Machinery
 from screwsim.model.slots import Q_WORK, R_SUCTION
-from screwsim.numerics.parabola import top, vertex
 from screwsim.outputs import Figures
 from screwsim.outputs.customary import RPM
 from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
+from screwsim.scene.lines import discharge_path
 from screwsim.scene.types import Scene
 from screwsim.solve import circuit, drive
+from screwsim.solve.start_up_reading import StartUpPitch, figures_of, mean_speed, traces_of
 
 Array = np.ndarray
 Told = Callable[[float], None]
@@ -42,20 +43,10 @@ MOST_TURNS = 8  # rounds of chambers and drive within a pitch
 STEADY_WITHIN = 2e-3  # relative distance of a pitch's mean speed from the steady one, within which it has arrived ...
 STEADY_PITCHES = 12  # ... for so many pitches
 END_MARGIN = 5e-7  # rad, left out at both ends of a pitch, where the speed's course is not periodic
+NOTED_LIFT = 0.1  # of the load of rotors that stop: least share of the oil's lift that is told
 STEP = 1e-3  # rad, initial step
 INTERRUPTED = "interrupted"  # status of a start that Ctrl-C ended
 UNCLOSED = "the cycle at the steady speed did not close (screwsim run says why)"
-
-
-class StartUpPitch(NamedTuple):
-    """One pitch of a start-up: motion of the drive, torques of gas and losses [N m], gas work [J], final states."""
-
-    motion: Motion
-    gas_torque: Array
-    loss_torque: float
-    gas_work: float
-    states: Array
-    settled: bool
 
 
 @dataclass(frozen=True)
@@ -133,6 +124,7 @@ class StartUpRun:
         self.steady, self.creep, self.longest = steady, creep, longest
         self.train: Train = steady.train
         self.pitches: list[StartUpPitch] = []
+        self.lifting = 0.0  # N m, of the losses of the last pitch: what lifts the oil
         self.chambers = self._at_rest()
         work = float(of.life.quads[of.life.steps - 1, 0])
         loss = float(np.mean(steady.load)) - work / of.problem.parts.geometry.pitch
@@ -176,7 +168,7 @@ class StartUpRun:
             before = motion.speed
             motion = run_up(self.train, self.steady.no_load_speed, self.drive, gas + loss, self.creep)
             if not motion.stalled:
-                change = float(np.max(np.abs(motion.speed - before))) / _mean(motion, self.train.pitch)
+                change = float(np.max(np.abs(motion.speed - before))) / mean_speed(motion, self.train.pitch)
         self.load = gas + loss
         return StartUpPitch(motion, gas, loss, work, end, change <= tolerance)
 
@@ -190,7 +182,7 @@ class StartUpRun:
         """Return torques of gas and losses, gas work and final states at a course of the speed; a text if failed."""
         problem, machinery = self.problem, self.machinery
         composition, pitch = machinery.composition, problem.parts.geometry.pitch
-        mean = _mean(motion, pitch)
+        mean = mean_speed(motion, pitch)
         at = composition.speed_curve
         assert at is not None  # the scene has a drive
         set_speed(composition, problem.parts, mean)
@@ -203,7 +195,8 @@ class StartUpRun:
         of = Evaluation(problem, machinery.trajectory, q)
         gas = _gas_torque(of.pitch, pitch)
         gas += (float(q[Q_WORK]) - float(np.trapezoid(gas, dx=pitch / POINTS))) / pitch
-        return gas, loss_torque(of, mean), float(q[Q_WORK]), machinery.shift(y)
+        loss, self.lifting = loss_torque(of, mean)
+        return gas, loss, float(q[Q_WORK]), machinery.shift(y)
 
     # ---- all of it -------------------------------------------------------------------------------------------
 
@@ -236,7 +229,7 @@ class StartUpRun:
                 return self._ended(FAILED, self._stalled(step))
             unsettled += not step.settled
             self.go_on(step)
-            m, mean = step.motion, _mean(step.motion, self.train.pitch)
+            m, mean = step.motion, mean_speed(step.motion, self.train.pitch)
             told(mean / target)
             stays = stays + 1 if abs(mean / target - 1.0) <= STEADY_WITHIN else 0
             if stays >= STEADY_PITCHES:
@@ -259,18 +252,21 @@ class StartUpRun:
         """Return why the rotors stopped."""
         load = float(np.mean(step.gas_torque)) + step.loss_torque
         at_rest = self.train.motor.limited_torque(0.0, self.steady.no_load_speed)
+        much = self.lifting > NOTED_LIFT * load
+        oil = f", {self.lifting:.4g} N m of which lift its oil" if much else ""
+        less = f"at a lower {discharge_path(self.problem.scene.operation)}{', or with less oil' if much else ''}"
         return (
             f"the motor cannot start the machine: the rotors stop after {step.motion.time[-1]:.4g} s under {load:.4g} "
-            f"N m on average, and the motor gives {at_rest:.4g} N m at rest (choose a larger motor, or start without "
-            "load, at a lower operation.discharge.pressure)"
+            f"N m on average{oil}, and the motor gives {at_rest:.4g} N m at rest (choose a larger motor, or start "
+            f"without load, {less})"
         )
 
     def _ended(self, status: str, message: str) -> StartUp:
         """Return the outcome of the pitches so far."""
         if not self.pitches:
             return StartUp(status, message)
-        traces = _traces(self.pitches, self.train.pitch)
-        figures = self._figures(traces)
+        traces = traces_of(self.pitches, self.train.pitch)
+        figures = figures_of(self.pitches, traces, self.steady, self.begins)
         return StartUp(status, message, tuple(self._warnings(figures)), figures, traces)
 
     def _warnings(self, figures: Figures) -> Iterator[str]:
@@ -283,37 +279,6 @@ class StartUpRun:
             what = "the pressures behind the ports pulsate from the first pitch on as they do at the steady speed"
             yield f"{what}: a start does not follow plenums (leave them out to start against constant pressures)"
 
-    def _figures(self, traces: dict[str, Array]) -> Figures:
-        """Return the figures of a start [SI], with the residual of its energies."""
-        last = self.pitches[-1]
-        m = last.motion
-        whole = [each for each in self.pitches if not each.motion.stalled]
-        motor, damped = (sum(getattr(each.motion, name) for each in whole) for name in ("motor_work", "damped"))
-        gas = sum(each.gas_work for each in whole)
-        losses = sum(each.loss_torque for each in whole) * self.train.pitch
-        end = whole[-1].motion if whole else m
-        stored = self.train.stored(float(end.speed[-1]), float(end.motor_speed[-1]), float(end.twist[-1])) - self.begins
-        peak, peak_time = _peak(np.abs(traces["coupling_torque"]), traces["time"])
-        steady = float(np.mean(self.steady.coupling_torque))
-        residual = motor - damped - gas - losses - stored
-        energy = {"motor_work": motor, "gas_work": gas, "loss_work": losses, "coupling_work": damped, "stored": stored}
-        return Figures(
-            time=float(m.time[-1]),
-            turns=float(traces["angle"][-1]) / (2.0 * math.pi),
-            end_speed=float(m.speed[-1]),
-            steady_speed=self.steady.mean_speed,
-            coupling_torque_peak=peak,
-            coupling_torque_peak_time=peak_time,
-            coupling_torque_lowest=-_peak(-traces["coupling_torque"], traces["time"])[0],
-            coupling_torque_steady=steady,
-            peak_over_steady=peak / abs(steady) if steady else None,
-            twist_peak=_peak(np.abs(traces["twist"]), traces["time"])[0],
-            motor_torque_peak=min(_peak(np.abs(traces["motor_torque"]), traces["time"])[0], self.train.motor.most),
-            **(energy if whole else dict.fromkeys(energy)),  # unknown for a pitch in which the rotors stop
-            residue=abs(residual) / max(abs(motor), abs(gas) + abs(losses)) if whole else None,
-            unsettled=float(sum(not each.settled for each in self.pitches)),
-        )
-
 
 def _gas_torque(pitch: Pitch, length: float) -> Array:
     """Return the gas torque [N m] at even angles of a pitch [rad] and its end.
@@ -323,45 +288,6 @@ def _gas_torque(pitch: Pitch, length: float) -> Array:
     pressure, slope = pitch.at(np.array([2.0 * END_MARGIN, length - 2.0 * END_MARGIN]))
     first, last = raw_torque(pitch._replace(pressure=pressure, slope=slope))
     return np.array([first, *raw_torque(pitch)[1:], last])
-
-
-def _mean(motion: Motion, pitch: float) -> float:
-    """Return the mean speed while the rotors turn [rad/s]."""
-    return pitch / (float(motion.time[-1] - motion.time[0]) - motion.held)
-
-
-def _peak(curve: Array, time: Array) -> tuple[float, float]:
-    """Return the highest value of a curve and its time, by the parabola through it and its neighbours.
-
-    At an end, and on a plateau as at the motor's limit, it is the highest point.
-    """
-    i = int(np.argmax(curve))
-    if not 0 < i < len(curve) - 1 or not curve[i - 1] < curve[i] > curve[i + 1]:
-        return float(curve[i]), float(time[i])
-    around = tuple(map(float, curve[i - 1 : i + 2]))
-    return top(*around), float(np.interp(i + float(vertex(*around)), (i - 1, i, i + 1), time[i - 1 : i + 2]))
-
-
-def _traces(pitches: list[StartUpPitch], pitch: float) -> dict[str, Array]:
-    """Return the traces of all pitches over time."""
-    kept: dict[str, list[Array]] = {}
-    for i, each in enumerate(pitches):
-        m = each.motion
-        n = len(m.time) if each.motion.stalled or i == len(pitches) - 1 else POINTS
-        values = {
-            "time": m.time,
-            "angle": pitch * (i + np.arange(len(m.time)) / POINTS),
-            "speed": m.speed,
-            "motor_speed": m.motor_speed,
-            "twist": m.twist,
-            "coupling_torque": m.coupling_torque,
-            "motor_torque": m.motor_torque,
-            "gas_torque": each.gas_torque[: len(m.time)],
-            "loss_torque": np.full(len(m.time), each.loss_torque),
-        }
-        for name, value in values.items():
-            kept.setdefault(name, []).append(value[:n])
-    return {name: np.concatenate(values) for name, values in kept.items()}
 
 
 def _rpm(omega: float) -> str:

@@ -7,17 +7,22 @@ Source: ours; docs/explanation/errors.md, errors of an oil circuit.
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures.errors import error_of, relative_errors
+from screwsim.numerics import broyden
 from screwsim.outputs import Figures
 from screwsim.solve.surroundings import KPA
+from screwsim.solve.surroundings_steps import learnt, trusted_share
 
 Array = np.ndarray
 Slopes = Mapping[str, Array]  # of figures [SI] with each unknown [1/K, 1/kPa]
+LEAST_DISTANCE = 0.05  # [K, kPa], smallest distance of two cycles from which sensitivities are taken
 ENERGY_ERROR_SHARE = 0.6  # share of the mixture's temperature change by the cycle's energy residual, taken as an error
 DUTY = "oil_cooler_duty"  # figure: heat flow to the oil cooler
 SUPPLY, SEPARATOR, BEFORE, BEHIND = range(4)  # unknowns: temperatures [K], lost pressures [kPa]; then others [K]
@@ -29,18 +34,50 @@ STATED = {  # figures that state an unknown: which, and its unit
 }
 
 
-def secant_updated(slope: Array, change: float | Array, moved: Array, weight: float = 1.0) -> Array:
-    """Return slopes that give a change over a move of the unknowns, by the smallest update that does (Broyden).
+class Seen(NamedTuple):
+    """What a cycle of a search showed: unknowns, what they are `off` by and the error of that [K, kPa], and figures."""
 
-    With a `weight` below 1 they give that share of what the change was missed by.
-    """
-    return slope + weight * np.multiply.outer(np.asarray(change) - slope @ moved, moved) / float(moved @ moved)
+    x: Array
+    off: Array
+    wrong: float
+    figures: Figures
+
+
+@dataclass
+class LearntResponse:
+    """How residuals and figures respond to the unknowns, by the cycles of a search at least `LEAST_DISTANCE` apart."""
+
+    seen: list[Seen] = field(default_factory=list)
+    _response: Array | None = None
+
+    @property
+    def response(self) -> Array:
+        """The response of the residuals to the unknowns, once a cycle was added."""
+        assert self._response is not None
+        return self._response
+
+    def add(self, of: Evaluation, now: Seen, started: Array, slopes: Slopes) -> Slopes:
+        """Record a cycle, and what it shows beside the last one that is far enough; return the slopes of the figures.
+
+        The response begins as `started`.
+        """
+        if self._response is None:
+            self._response = started
+        for before in reversed(self.seen):
+            moved = now.x - before.x
+            if float(np.max(np.abs(moved))) > LEAST_DISTANCE:
+                weight = trusted_share(moved, now.wrong, before.wrong)
+                slopes = learnt_slopes(slopes, of, before.figures, moved, weight)
+                self._response = learnt(self._response, now.off - before.off, moved, weight)
+                break
+        self.seen.append(now)
+        return slopes
 
 
 def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array, weight: float) -> dict[str, Array]:
     """Return the slopes of figures that also give their change to an evaluation, over a move of the unknowns.
 
-    What they missed of the change is learnt by its `weight`, see `secant_updated`.
+    What they missed of the change is learnt by its `weight`, see `numerics.broyden`.
     """
     unknowns, found = len(moved), of.figures
     slopes = {name: slope for name, slope in known.items() if len(slope) == unknowns}
@@ -51,7 +88,7 @@ def learnt_slopes(known: Slopes, of: Evaluation, before: Figures, moved: Array, 
         slope = slopes.get(name)
         if slope is None:
             slope = _stated_slope(of, name, unknowns)
-        slopes[name] = secant_updated(slope, value - old, moved, weight)
+        slopes[name] = broyden.updated(slope, value - old, moved, weight)
     return slopes
 
 

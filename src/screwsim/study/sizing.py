@@ -10,13 +10,15 @@ from typing import NamedTuple
 
 from screwsim.effects.motor import SERVICE_FACTOR, beyond_rating
 from screwsim.figures.engineering import figure_text
+from screwsim.fluid import constants
 from screwsim.inputs.faults import UsageError
-from screwsim.outputs import Result
-from screwsim.outputs.customary import in_bar
+from screwsim.outputs import Figures, Result
+from screwsim.outputs.customary import HOUR, in_bar
 from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 from screwsim.template import SceneRequest, kind_of, new_scene
 from screwsim.template.gas import INVERTER_LOSS_SHARE
+from screwsim.template.request import NORMAL, R
 from screwsim.template.sizes import flow_text, rounded_flow, rpm
 
 DELIVERED, TAKEN = "free_air_delivered", "shaft_power"
@@ -49,7 +51,7 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
     """
     about = kind_of(kind)
     goals = (
-        ("--flow", DELIVERED, asked.free_air),
+        ("--flow", DELIVERED, asked.free_air if asked.molar is None else asked.molar),
         ("--capacity", about.cools, asked.capacity),
         ("--motor", TAKEN, asked.motor),
     )
@@ -58,20 +60,39 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
     for count in range(TRIES):
         found = solved_machine(_text(kind, replace(asked, flow=flow, sought=option), option))
         result = found.result
-        value = result.performance.get(figure)
+        value = _delivered(asked, found) if figure == DELIVERED else result.performance.get(figure)
         if asked.economizer and result.status == "not_closed":
             raise UsageError(UNSTEADY_PORT)
         if result.status != "ok" or not value or value <= 0.0:
             why = result.told if result.status != "ok" else f"no {figure.replace('_', ' ')}"
             what = f"the machine of {flow_text(flow)} tried for it does not run: {why}"
             raise UsageError(f"{option}: {what} (choose another {option}, --speed, --vi or --condition)")
-        if abs(value / wanted - 1.0) <= (NEAR if count < FIRM else ROUNDED):
+        near = NEAR if count < FIRM else ROUNDED
+        aim = wanted * (1.0 - near if figure == TAKEN else 1.0)  # a motor is loaded in full, not beyond
+        if abs(value / aim - 1.0) <= near:
             if asked.economizer:
                 _check_port(result)
-            return found
-        flow = rounded_flow(flow * wanted / value)
-    what = f"no size was found that gives {figure_text(figure, wanted)}"
+            return _with_motor(kind, replace(asked, flow=flow, sought=option), found)
+        flow = rounded_flow(flow * aim / value)
+    what = f"no size was found that gives {asked.flow_text or figure_text(figure, wanted)}"
     raise UsageError(f"{option}: {what} (state one with --displacement)")
+
+
+def _delivered(asked: SceneRequest, found: SizedMachine) -> float | None:
+    """Return what a machine delivers: in mol/s where the flow asked for is at a standard state, else in m³/s."""
+    p = found.result.performance
+    if found.result.status != "ok" or DELIVERED in p:
+        return p.get(DELIVERED)
+    if asked.molar is not None:
+        return p.gas_mass_flow * constants.gas_constant(found.scene.gas.name) / R
+    return p.volumetric_efficiency * p.displacement_flow
+
+
+def _with_motor(kind: str, asked: SceneRequest, found: SizedMachine) -> SizedMachine:
+    """Return a machine sized by its flow with the motor for the load found; others as they are."""
+    if asked.motor is not None or asked.sought != "--flow":
+        return found
+    return solved_machine(_text(kind, replace(asked, load=found.result.performance.shaft_power), asked.sought))
 
 
 def solved_machine(text: str) -> SizedMachine:
@@ -87,11 +108,12 @@ def solved_machine(text: str) -> SizedMachine:
     return SizedMachine(text, scene, result)
 
 
-def with_steady_port(text: str) -> str:
-    """Return the text of a scene whose economizer's port draws what the liquid gives off, else raise UsageError."""
-    text, _, result = solved_machine(text)
-    _check_port(result)
-    return text
+def stated_machine(kind: str, asked: SceneRequest) -> SizedMachine:
+    """Return a new machine of the stated size, or of the kind's own; it need not run, unless it has an economizer."""
+    found = solved_machine(new_scene(kind, asked))
+    if asked.economizer:
+        _check_port(found.result)
+    return found
 
 
 def _check_port(result: Result) -> None:
@@ -113,43 +135,94 @@ def _text(kind: str, asked: SceneRequest, option: str) -> str:
 
 def performance_lines(asked: SceneRequest, found: SizedMachine) -> Iterator[str]:
     """Yield the machine's performance, how it fits what was stated, and what was assumed, a line each."""
+    p, scene, result = found.result.performance, found.scene, found.result
+    if result.status == "ok":
+        yield _computed(found)
+        yield from _unusual(asked, found)
+    else:
+        yield f"warning: the machine does not run at its condition: {result.told} (choose another --condition or size)"
+    yield f"assumed: {', '.join(_assumed(asked, scene, p))}"
+    yield from (f"warning: {warning}" for warning in result.warnings)
+
+
+def _computed(found: SizedMachine) -> str:
+    """Return what the machine gives and takes, in words."""
     p, scene = found.result.performance, found.scene
-    every = (active.parameters for active in scene.effects.values())
-    rated = next(parameters.rated_power for parameters in every if hasattr(parameters, "rated_power"))
-    load = p.shaft_power / rated
-    package = DELIVERED in p
-    gives, takes = _package_in_words(found) if package else _plant_in_words(found)
-    shaft = f"takes {figure_text(TAKEN, p.shaft_power)} at the shaft"
+    expands = scene.machine.expands
+    words = _package_in_words if DELIVERED in p else _plant_in_words if COOLS in p else _gas_in_words
+    gives, takes = (_expander_in_words if expands else words)(found)
+    power = p.shaft_power
+    load = abs(power) / _rated_power(scene)
     beyond = beyond_rating(load)
-    carried = f"{100.0 * load:.0f} % of a motor of {1e-3 * rated:g} kW{f', {beyond}' if beyond else ''}"
-    yield f"computed: {gives}, {shaft} ({carried}), {takes}"
+    drive = "a generator" if expands else "a motor"
+    carried = f"{100.0 * load:.0f} % of {drive} of {1e-3 * _rated_power(scene):g} kW{f', {beyond}' if beyond else ''}"
+    return f"computed: {gives}, {'gives' if expands else 'takes'} {_power(power)} at the shaft ({carried}), {takes}"
+
+
+def _rated_power(scene: Scene) -> float:
+    """Return the rated power [W] of the scene's motor or generator."""
+    every = (active.parameters for active in scene.effects.values())
+    return next(parameters.rated_power for parameters in every if hasattr(parameters, "rated_power"))
+
+
+def _power(power: float) -> str:
+    """Return a power [W] that is taken or given, in words."""
+    return figure_text(TAKEN, abs(power))
+
+
+def _unusual(asked: SceneRequest, found: SizedMachine) -> Iterator[str]:
+    """Yield how a stated motor hardly fits the machine, and of rotors that turn fast, a line each."""
+    p, scene = found.result.performance, found.scene
+    load = abs(p.shaft_power) / _rated_power(scene)
     if asked.motor is not None and not LIGHT <= load <= SERVICE_FACTOR:
         word = "more" if load > SERVICE_FACTOR else "less"
-        check = "--flow, --motor and --pressure" if package else "--capacity, --motor and --condition"
+        size = "--capacity" if COOLS in p else "--flow"
+        check = f"{size}, --motor and {'--pressure' if DELIVERED in p else '--condition'}"
         yield f"the motor carries {word} than data sheets show (check {check}, or --speed)"
+    if scene.oil is None or scene.machine.kind != "twin_screw":
+        return
     tips = 0.5 * scene.operation.speed * scene.machine.rotor_diameter
     if tips > FAST_TIP_SPEED:
         remedy = "choose a lower --speed, larger rotors"
         yield f"rotor tips run at {tips:.0f} m/s, where oil films take much power ({remedy})"
-    ratio = scene.machine.built_in_volume_ratio
-    assumed = [] if asked.ratio is not None else [f"built-in volume ratio {ratio:g} from the pressure ratio"]
-    assumed += [] if asked.speed is not None else [rpm(scene.operation.speed)]
-    rotors = 1e3 * scene.machine.rotor_diameter
-    assumed += [f"rotors of family b, {rotors:.0f} mm", "clearances, shafts and bearings scaled to that size"]
-    if package:
-        assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of air"]
-        assumed += ["losses of a typical package, a fan of 4 % of the motor"]
-        assumed += [f"an inverter that loses {100.0 * INVERTER_LOSS_SHARE:g} % of it"] if asked.variable else []
-        at = scene.operation.ambient_pressure
-        inlet = scene.operation.suction.pressure or at
-        if abs(inlet - at) > ELSEWHERE * at:
-            assumed += [
-                f"gauge pressures over {in_bar(at)} (operation.ambient_pressure), not over the inlet's {in_bar(inlet)}"
-            ]
+
+
+def _assumed(asked: SceneRequest, scene: Scene, p: Figures) -> Iterator[str]:
+    """Yield what was assumed beside what was stated."""
+    rotors = scene.machine.kind == "twin_screw"
+    if rotors and asked.ratio is None:
+        yield f"built-in volume ratio {scene.machine.built_in_volume_ratio:g} from the pressure ratio"
+    if asked.speed is None:
+        yield rpm(scene.operation.speed)
+    if not rotors:
+        yield f"one cylinder with a bore of {1e3 * scene.machine.bore:.0f} mm"
+        yield "valves sized for the gas, clearance and losses fitted to similar cylinders"
+        return
+    size = "" if asked.diameter is not None else f", {1e3 * scene.machine.rotor_diameter:.0f} mm"
+    yield f"rotors of family b{size}"
+    yield (
+        "clearances scaled to that size" if scene.oil is None else "clearances, shafts and bearings scaled to that size"
+    )
+    if ratio := p.get("oil_ratio"):
+        yield f"{ratio:.2g} kg of oil per kg of {'air' if DELIVERED in p else 'gas'}"
+    if DELIVERED in p:
+        yield from _assumed_of_package(asked, scene)
+    elif COOLS in p:
+        yield "losses fitted to similar machines"
     else:
-        assumed += [f"{p.oil_ratio:.2g} kg of oil per kg of gas", "losses fitted to similar machines"]
-    yield f"assumed: {', '.join(assumed)}"
-    yield from (f"warning: {warning}" for warning in found.result.warnings)
+        expands = scene.machine.expands
+        yield "friction as a share of the indicated power" if expands else "bearings and oil films by their laws"
+
+
+def _assumed_of_package(asked: SceneRequest, scene: Scene) -> Iterator[str]:
+    """Yield what is assumed of an air package."""
+    yield "losses of a typical package, a fan of 4 % of the motor"
+    if asked.variable:
+        yield f"an inverter that loses {100.0 * INVERTER_LOSS_SHARE:g} % of it"
+    at = scene.operation.ambient_pressure
+    inlet = scene.operation.suction.pressure or at
+    if abs(inlet - at) > ELSEWHERE * at:
+        yield f"gauge pressures over {in_bar(at)} (operation.ambient_pressure), not over the inlet's {in_bar(inlet)}"
 
 
 def _package_in_words(found: SizedMachine) -> tuple[str, str]:
@@ -169,3 +242,23 @@ def _plant_in_words(found: SizedMachine) -> tuple[str, str]:
     gives += f" (without the {figure_text(DUTY, duty)} of its oil cooler)" if duty else ""
     takes = f"{figure_text('electrical_power', p.electrical_power)} with its motor"
     return gives, f"{takes}, COP {p.electrical_cop:.3g} of cooling, {p.electrical_heating_cop:.3g} of heating"
+
+
+def _expander_in_words(found: SizedMachine) -> tuple[str, str]:
+    """Return, in words, the flow of an expander, and its electrical power and efficiency."""
+    p = found.result.performance
+    takes = f"{_power(p.electrical_power)} at its generator"
+    share = f"isentropic efficiency {100.0 * p.isentropic_efficiency:.3g} %"
+    return f"expands {figure_text('gas_mass_flow', p.gas_mass_flow)}", f"{takes}, {share}"
+
+
+def _gas_in_words(found: SizedMachine) -> tuple[str, str]:
+    """Return, in words, what a compressor of another gas delivers, and its total input."""
+    p = found.result.performance
+    R_gas = constants.gas_constant(found.scene.gas.name)
+    normal = HOUR * p.gas_mass_flow * R_gas * NORMAL[0] / NORMAL[1]
+    at_inlet = HOUR * p.volumetric_efficiency * p.displacement_flow
+    ends = f"{in_bar(p.suction_pressure)} to {in_bar(p.discharge_pressure)}"
+    gives = f"delivers {HOUR * p.gas_mass_flow:.5g} kg/h, {normal:.5g} Nm³/h, {at_inlet:.5g} m³/h at its inlet, {ends}"
+    takes = f"{figure_text('electrical_power', p.electrical_power)} with its motor"
+    return gives, f"{takes}, isentropic efficiency {100.0 * p.electrical_isentropic_efficiency:.1f} % of that"

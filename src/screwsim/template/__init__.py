@@ -10,15 +10,17 @@ from typing import NamedTuple
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.suggestions import joined_names, nearest, with_article
 from screwsim.scene import loads
-from screwsim.template import expander, gas, reciprocating, refrigeration
+from screwsim.template import booster, economizer, expander, gas, reciprocating, refrigeration
 from screwsim.template.request import SceneRequest, note_on_pressure, request_of
 
-MOTOR, SHEET, SPEEDS, CAPACITY = ("--motor",), ("--flow", "--pressure"), ("--variable-speed",), ("--capacity",)
+MOTOR, SPEEDS, CAPACITY = ("--motor",), ("--variable-speed",), ("--capacity",)
+FLOW, PRESSURE = ("--flow",), ("--pressure",)
 LIQUID, SLIDE = ("--economizer",), ("--slide",)
 REFUSED_OPTION_MESSAGES = {  # message on options that a kind does not take
     MOTOR: "is for {takers} (remove it; the motor of {name} follows from its size)",
     CAPACITY: "is for {takers} (remove it; {name} takes --displacement)",
-    SHEET: "is from the data sheet of an air package (write screwsim new {takers}; {name} takes --displacement)",
+    FLOW: "is for {takers} (remove it; {name} takes --displacement)",
+    PRESSURE: "is from the data sheet of an air package (write screwsim new {takers}; {name} takes --condition)",
     SPEEDS: "is for {takers}, from whose data sheet it comes (remove it)",
     SLIDE: "is for {takers}, which it unloads (remove it)",
     LIQUID: "is for {takers}, whose liquid it cools (remove it)",
@@ -53,8 +55,8 @@ def _plant(plant: refrigeration.Plant, capacity: str) -> Kind:
 KINDS = {
     "refrigeration": _plant(refrigeration.COOLING, "cooling_capacity"),
     "heat_pump": _plant(refrigeration.HEATING, "heating_capacity"),
-    "air": Kind(gas.air, MOTOR + SHEET + SPEEDS),
-    "booster": Kind(gas.booster),
+    "air": Kind(gas.air, MOTOR + FLOW + PRESSURE + SPEEDS),
+    "booster": Kind(booster.booster, MOTOR + FLOW, first=booster.first_flow),
     "expander": Kind(expander.expander),
     "reciprocating": Kind(reciprocating.reciprocating),
 }
@@ -82,7 +84,7 @@ def new_scene(kind: str, asked: SceneRequest) -> str:
         loads(text, f"new {kind}")
     except SceneError as error:
         place, _, what = error.lines[0].partition(": ")
-        told = refrigeration.refused_port(what) if asked.economizer else ""
+        told = economizer.refused_port(what) if asked.economizer else ""
         if not told and what.startswith("machine.slide_valve."):
             told = f"--slide: {what.rpartition(' (')[0]} (choose a larger --vi, or no --slide)"
         if not told and ".gas_viscosity: " in what:

@@ -41,6 +41,11 @@ class Duty(NamedTuple):
     hottest: float  # [K] after isentropic compression of an ideal gas
     k: float
 
+    @property
+    def subcooling(self) -> float:
+        """By how much [K] the condenser subcools the liquid, which stays warmer than the evaporator."""
+        return min(5.0, 0.5 * (self.liquid - self.T_e))
+
 
 def duty_of(
     fluid: str, flow: float, condition: str, example: str, p_cooler: float | None = None, lossless: bool = False
@@ -126,7 +131,7 @@ def conditions(duty: Duty, fluid: str) -> dict[str, str]:
         "condensing": f"{c} degC",
         "point": point_of_condensing(fluid, duty.T_c),
         "superheat": duty.superheat,
-        "subcooling": f"{min(5.0, 0.5 * (duty.liquid - duty.T_e)):.4g} K",
+        "subcooling": f"{duty.subcooling:.4g} K",
     }
 
 

@@ -1,4 +1,4 @@
-"""Screws on gases: an air package, a booster that takes in gas under pressure."""
+"""Screws on gases: what their texts have in common, and an air package."""
 
 import math
 import textwrap
@@ -6,27 +6,22 @@ from typing import NamedTuple
 
 from screwsim.effects.oil_drag import end_drag, tip_drag
 from screwsim.fluid import constants
-from screwsim.fluid.description import describe
 from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import FAMILIES
-from screwsim.outputs.customary import RPM, ZERO_CELSIUS
+from screwsim.outputs.customary import RPM, ZERO_CELSIUS, in_bar
+from screwsim.scene.units import is_gauge
 from screwsim.template import sizes, texts
-from screwsim.template.refrigeration import OILS_FOR
-from screwsim.template.request import Condition, SceneRequest, condition_of, quantity_after_comma
+from screwsim.template.request import ATMOSPHERE, Condition, SceneRequest, condition_of, quantity_after_comma
 
 LAMBDA, ETA = 0.90, 0.78  # for estimates of flow and power
 THINNEST_AIR = 0.3e5  # [Pa] least inlet pressure of an air package: 0.34 bar on the highest mountain
+DENSEST_AIR = 1.2e5  # [Pa] ambient pressure at the most, that of a mine of 1.5 km
 AIR_OIL = 4.0  # least kg of oil per kg of air, warmed by some 30 K (validation/cagi)
 LARGEST_OIL_WARMING = 40.0  # [K] most by which the oil of an air package is warmed: assumed
 ROOM, ROOM_RESERVE = 303.15, 5.0  # [K] room in which its cooler keeps LEAVES, this far above the inlet at least ...
 LARGEST_EFFECTIVENESS = 0.9  # ... as far as this suffices, for which 2.3 transfer units are needed: assumed
 LEAVES, WARMED = 353.15, 30.0  # [K] temperature at a booster's outlet, and by how much its oil is warmed
-FRICTION_COOLING = 0.5  # share of WARMED by which oil is warmed less where all power is friction: cold films take more
-LEAST_OIL, LEAST_SHARE = 2.0, 0.004  # least kg of oil per kg of gas; and of the displaced volume (air packages: 0.5 %)
-LARGEST_KEPT_RISE = 0.75  # of the temperature rise without cooling: most that gas and oil keep
-COMPRESSION_EFFICIENCY = 0.88  # efficiency without friction, for an estimate; friction depends on size, not gas
-FRICTION_FACTOR = 1.5  # over that of the films alone, for bearings and for accelerating the oil
 VALVE_OPENING_PRESSURE = 4e5  # [Pa] above ambient, below which a package's minimum-pressure valve stays shut ...
 SHUT_SHARE = 0.8  # ... of the rise at the most: a valve that opens above it holds the machine at its own pressure
 LOST_BEFORE, LOST_BEHIND = 3.5e3, 36e3  # [Pa]: filter and valve; separator, valve and aftercooler of air.template
@@ -35,11 +30,7 @@ FAN_SHARE = 0.04  # of the motor
 INVERTER_LOSS_SHARE = 0.03  # of the motor, lost by an inverter at its class's point: 97 % as in configs/air, assumed
 SPEEDS = 1.0, 0.86, 0.73, 0.59, 0.46, 0.32  # of full speed, on the sheet of a variable-speed package
 COMMENT_WIDTH = 110  # columns of a comment
-LARGEST_FRICTION_RATIO = 4.0  # times the lossless work, beyond which friction rules out a booster
-ABOVE_DEW, NEARLY = 10.0, 0.999  # [K] margin of the separator above the dew point; fraction of the critical temperature
-OIL_OVER_DEW = 4.0  # [K] margin of cooled oil above the dew point
-# of gases that hardly dissolve in it, as in air packages; others thin mineral oil
-BOOSTER_OILS = {**OILS_FOR, **dict.fromkeys(("air", "nitrogen", "n2", "argon", "ar", "oxygen", "o2"), "mineral_46")}
+ABOVE_DEW = 10.0  # [K] margin of the separator, or of gas at the inlet, above the dew point
 SOLIDITY = 0.63  # of end faces, as in the text of flooded machines
 
 
@@ -68,9 +59,21 @@ class Duty(NamedTuple):
         return abs(sizes.isentropic_work(self.k, self.R, self.T, self.at.high / self.at.low))
 
 
-def gas_duty(asked: SceneRequest, fluid: str, example: str, temperature: str, expands: bool = False) -> Duty:
-    """Return the lines of a condition; an unstated temperature is the default, or 10 K above the dew point."""
-    at = condition_of(asked.condition or example, "pressure", example)
+def gas_duty(
+    asked: SceneRequest,
+    fluid: str,
+    example: str,
+    temperature: str,
+    expands: bool = False,
+    ambient: float = ATMOSPHERE,
+) -> Duty:
+    """Return the lines of a condition; an unstated temperature is the default, or 10 K above the dew point.
+
+    Gauge pressures are over the ambient one [Pa].
+    """
+    if told := _temperatures(asked.condition, fluid, example):
+        raise UsageError(f"--condition {asked.condition}: {told}")
+    at = condition_of(asked.condition or example, "pressure", example, ambient)
     low, high = (at.high, at.low) if expands else (at.low, at.high)
     if not low < high:
         order = "suction comes first, below discharge"
@@ -91,6 +94,19 @@ def gas_duty(asked: SceneRequest, fluid: str, example: str, temperature: str, ex
     return Duty(at, text, T, constants.isentropic_exponent(fluid, T), constants.gas_constant(fluid))
 
 
+def _temperatures(condition: str | None, fluid: str, example: str) -> str:
+    """Return that a condition states saturation temperatures, with the pressures to write; empty for any other."""
+    try:
+        at = condition_of(condition or example, "temperature", example)
+        pressures = [constants.dew_pressure(fluid, T) for T in (at.low, at.high)]
+    except UsageError:
+        return ""
+    first, second = (f"{p / 1e5:.4g}" for p in pressures)
+    warm = f"{at.low - ZERO_CELSIUS + ABOVE_DEW:.4g} degC"
+    what = f"these are temperatures, where {fluid} has these saturation pressures"
+    return f"{what} (write e.g. --condition '{first}/{second} bar, {warm}', with the temperature of the gas)"
+
+
 def common_values(asked: SceneRequest, duty: Duty, size: sizes.Size, share: float) -> dict[str, str]:
     """Return the machine, with `share` of the built-in ratio of an ideal gas, and the lines of a condition."""
     return {
@@ -107,11 +123,19 @@ def motor_values(rated: float) -> dict[str, str]:
 
 
 def _air_duty(asked: SceneRequest) -> Duty:
+    if asked.molar is not None:
+        what = "a package delivers free air, at the state of its inlet"
+        raise UsageError(f"--flow {asked.flow_text}: {what} (write e.g. --flow '7.5 m^3/min')")
     duty = gas_duty(asked, "Air", "0 bar(g)/7.5 bar(g)", "20 degC")
     if duty.at.low < THINNEST_AIR:
         what = f"an air package draws in ambient air, not {1e-5 * duty.at.low:.3g} bar"
         raise UsageError(f"--condition {asked.condition}: {what} (write screwsim new booster --fluid Air)")
-    return duty
+    return gas_duty(asked, "Air", "0 bar(g)/7.5 bar(g)", "20 degC", ambient=_ambient(duty.at))
+
+
+def _ambient(at: Condition) -> float:
+    """Return the ambient pressure [Pa] of a package: that of its inlet, where it is stated as an absolute one."""
+    return ATMOSPHERE if is_gauge(at.low_text) or at.low > DENSEST_AIR else at.low
 
 
 def first_flow(asked: SceneRequest) -> float:
@@ -130,18 +154,19 @@ def air(asked: SceneRequest) -> str:
     size, duty = texts.sized(flow, speed), _air_duty(asked)
     gas_flow, drop = LAMBDA * flow * duty.density, duty.at.high - duty.at.low
     worse = sizes.beyond_matching(duty.ratio, duty.k, asked.ratio)
-    friction = BROUGHT * _friction(size, oil)
+    friction = BROUGHT * film_friction(size, oil)
     taken = max(gas_flow * worse * duty.work / ETA, gas_flow * worse * _package_work(duty) + friction)
     carried = _oil_per_air(duty, taken / gas_flow, oil)
     oil_capacity = carried * gas_flow * _oil_heat_capacity(oil)
-    cooler = _oil_cooler(max(ROOM, duty.T + ROOM_RESERVE), taken, gas_flow * _heat_capacity(duty), oil_capacity)
+    cooler = _oil_cooler(max(ROOM, duty.T + ROOM_RESERVE), taken, gas_flow * heat_capacity(duty), oil_capacity)
     delivered = (asked.free_air or LAMBDA * flow) / (LAMBDA * flow)  # of the estimated flow, where it is stated
-    rated = sizes.motor_for(min(delivered, 1.0) * taken) if asked.motor is None else 1e-3 * asked.motor
+    rated = _rated_power(asked, min(delivered, 1.0) * taken)
     displaced = [] if asked.by_sheet else [f"{sizes.flow_text(flow)} at {sizes.rpm(speed)}"]
     values = {
         **common_values(asked, duty, size, 0.97),
         **_speeds(asked, rated, speed),
         "flooded": texts.flooded(size, LEAVES, cooler),
+        "ambient": in_bar(_ambient(duty.at)),
         "oil": oil,
         "bore": sizes.mm(sizes.bore(carried * gas_flow, OILS[oil].density_at(LEAVES), drop, 1), 2),
         "carried": f"{carried:g}",
@@ -154,6 +179,13 @@ def air(asked: SceneRequest) -> str:
     return texts.filled("air", values)
 
 
+def _rated_power(asked: SceneRequest, taken: float) -> float:
+    """Return the rated power [kW] of a package's motor: stated, or by the load found, or by an estimated one [W]."""
+    if asked.motor is not None:
+        return 1e-3 * asked.motor
+    return sizes.motor_for(taken) if asked.load is None else sizes.motor_for(asked.load, reserve=1.0)
+
+
 def _oil_per_air(duty: Duty, taken: float, oil: str) -> float:
     """Return the kg of oil per kg of air that remove a work [J/kg], warmed by at most `LARGEST_OIL_WARMING`."""
     heat = _oil_heat(duty, taken) / (_oil_heat_capacity(oil) * LARGEST_OIL_WARMING)
@@ -162,10 +194,10 @@ def _oil_per_air(duty: Duty, taken: float, oil: str) -> float:
 
 def _oil_heat(duty: Duty, taken: float) -> float:
     """Return what the oil carries [J/kg of air] of a work taken [J/kg]."""
-    return taken - _heat_capacity(duty) * (LEAVES - duty.T)
+    return taken - heat_capacity(duty) * (LEAVES - duty.T)
 
 
-def _heat_capacity(duty: Duty) -> float:
+def heat_capacity(duty: Duty) -> float:
     """Return the gas's heat capacity at constant pressure [J/(kg K)]."""
     return duty.R * duty.k / (duty.k - 1.0)
 
@@ -236,7 +268,7 @@ def _sheet_comment(asked: SceneRequest) -> str:
     return textwrap.indent(textwrap.fill(told, COMMENT_WIDTH), "# ") + "\n"
 
 
-def _friction(size: sizes.Size, oil: str, leaves: float = LEAVES) -> float:
+def film_friction(size: sizes.Size, oil: str, leaves: float = LEAVES) -> float:
     """Return the friction [W] of oil films in tip and end gaps (M141, M142); `leaves` is the outlet temperature [K]."""
     rotors, big, gap = FAMILIES["b"], size.diameter / 0.240, sizes.GAP * size.clearance
     total = 0.0
@@ -244,92 +276,3 @@ def _friction(size: sizes.Size, oil: str, leaves: float = LEAVES) -> float:
         total += tip_drag(ratio * size.speed, size.diameter, lobes, size.length, 0.003 * big, gap)
         total += end_drag(ratio * size.speed, size.diameter, SOLIDITY, gap)
     return OILS[oil].viscosity_at(leaves - 0.5 * WARMED) * total
-
-
-def _condenses(fluid: str, duty: Duty) -> bool:
-    """Tell whether the gas at its inlet temperature, or on cooled oil, would be liquid at the outlet pressure."""
-    limits, T = constants.limits(fluid), min(duty.T, LEAVES)
-    return limits is not None and T < limits.T_critical and constants.dew_pressure(fluid, T) < duty.at.high
-
-
-def _dew_temperature(fluid: str, duty: Duty) -> float | None:
-    """Return the condensing temperature [K] of a gas at the outlet pressure; None where it does not condense."""
-    limits = constants.limits(fluid)
-    if limits is None or not _condenses(fluid, duty):
-        return None
-    highest = constants.dew_pressure(fluid, NEARLY * limits.T_critical)
-    return constants.saturation_temperature(fluid, min(duty.at.high, 0.999 * highest))
-
-
-def _booster_outlet_temperature(fluid: str, duty: Duty, warmed: float, dew: float | None) -> float:
-    """Return a booster's outlet temperature [K]: above the dew point, below what a rise of `warmed` [K] uncooled gives.
-
-    Raise UsageError where there is none.
-    """
-    leaves = min(LEAVES, ZERO_CELSIUS + 5.0 * math.floor((duty.T + LARGEST_KEPT_RISE * warmed - ZERO_CELSIUS) / 5.0))
-    if dew is None:
-        return leaves
-    dry = ZERO_CELSIUS + 5.0 * math.ceil((dew + ABOVE_DEW - ZERO_CELSIUS) / 5.0)
-    if dry > duty.T + warmed:
-        what = f"condenses below {dew - ZERO_CELSIUS:.0f} °C, close to its outlet temperature"
-        remedy = "choose warmer gas, or a lower pressure"
-        raise UsageError(f"--condition: {fluid} of {duty.at.high_text} {what} ({remedy})")
-    return max(leaves, dry)
-
-
-def _refuse_liquid_at_outlet(fluid: str) -> None:
-    """Raise UsageError for a blend that is known as a gas only above a booster's outlet temperature."""
-    limits = constants.limits(fluid)
-    if limits is None or not limits.gas_only or limits.T_triple <= LEAVES:
-        return
-    warmest = max(describe(fluid).components, key=lambda name: describe(name).T_c)
-    above = f"{limits.T_triple - ZERO_CELSIUS:.4g} degC"
-    what = f"is known as a gas only above {above}, but leaves a booster at {LEAVES - ZERO_CELSIUS:g} degC"
-    raise UsageError(f"--fluid {fluid}: {what} (leave out {warmest})")
-
-
-def booster(asked: SceneRequest) -> str:
-    """Return the scene of a screw that takes in gas under pressure: a fuel-gas booster, or a second stage."""
-    fluid = asked.fluid or "Methane"
-    oil = asked.oil or BOOSTER_OILS.get(fluid.lower(), "PAG_100")
-    flow, speed = asked.flow or 600.0 / 3600.0, asked.speed or 2950.0 * RPM
-    example = "5/20 bar"
-    _refuse_liquid_at_outlet(fluid)
-    size, duty = texts.sized(flow, speed), gas_duty(asked, fluid, example, "20 degC")
-    c_p = _heat_capacity(duty)
-    gas_flow = LAMBDA * flow * duty.density
-
-    def taken_at(leaving: float) -> float:
-        """Return the work [J/kg] at an outlet temperature [K]: cold films take more."""
-        friction = FRICTION_FACTOR * _friction(size, oil, leaving) / gas_flow
-        return max(duty.work / ETA, duty.work / COMPRESSION_EFFICIENCY + friction)
-
-    dew = _dew_temperature(fluid, duty)
-    leaves = _booster_outlet_temperature(fluid, duty, taken_at(LEAVES) / c_p, dew)
-    if leaves > OILS[oil].high:
-        what = f"gas and oil have to leave at {leaves - ZERO_CELSIUS:.0f} degC"
-        what += f", beyond the data of {oil}, which end at {OILS[oil].high - ZERO_CELSIUS:.0f} degC"
-        raise UsageError(f"--condition {asked.condition or example}: {what} (choose a lower discharge pressure)")
-    taken = taken_at(leaves)
-    if taken > LARGEST_FRICTION_RATIO * duty.work:
-        what = f"with oil films it takes {taken / duty.work:.0f} times the work that the gas needs"
-        thinner = min(OILS, key=lambda name: OILS[name].viscosity_at(LEAVES))
-        oils = "" if thinner == oil else f"a thinner oil, e.g. --oil {thinner}, "
-        remedy = f"choose a lower speed, {oils}or pressures farther apart"
-        raise UsageError(f"--speed {sizes.rpm(speed)}: {what} ({remedy})")
-    friction = 1.0 - duty.work / COMPRESSION_EFFICIENCY / taken
-    warmed = WARMED * (1.0 - FRICTION_COOLING * max(friction, 0.0))
-    warmed = warmed if dew is None else min(warmed, leaves - dew - OIL_OVER_DEW)
-    left = taken - c_p * (leaves - duty.T)
-    least = max(LEAST_OIL, LEAST_SHARE * flow * OILS[oil].density_at(LEAVES) / gas_flow)
-    ratio = math.ceil(2.0 * left / (OILS[oil].heat_capacity_at(leaves - 0.5 * WARMED) * warmed)) / 2.0
-    values = {
-        **common_values(asked, duty, size, 0.97),
-        **motor_values(sizes.motor_for(gas_flow * taken)),
-        "flooded": texts.flooded(size, leaves),
-        "fluid": fluid,
-        "two_phase": texts.two_phase(fluid, _condenses(fluid, duty)),
-        "oil": oil,
-        "oil_ratio": f"{max(math.ceil(2.0 * least) / 2.0, ratio):g}",
-    }
-    return texts.filled("booster", values)

@@ -14,7 +14,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.slide import fitting_slide
 from screwsim.outputs.customary import RPM, ZERO_CELSIUS, in_celsius
 from screwsim.scene import loads
-from screwsim.template import sizes, texts
+from screwsim.template import economizer, sizes, texts
 from screwsim.template.duty import COPPER_CORROSIVES, EFFICIENCIES, Duty, conditions, duty_of, motor_in_gas
 from screwsim.template.request import SceneRequest
 
@@ -31,11 +31,7 @@ MOTOR_EFFICIENCY = 0.92  # of a semi-hermetic motor, assumed by the source of va
 RISING, THIN, DENSER = 0.9, 3.6, 0.35  # ... by powers of pressure ratio and of density, at least the second [kg/m³]
 LEAST, TOO_HOT = 0.2, 400.0  # least value of the estimate; [K] leaving a leaky machine, from which its oil is cooled
 BORE_OIL_TEMPERATURE = 333.15  # [K] of the oil in its bores
-BESIDE, SHORTEST = math.radians(5.0), math.radians(30.0)  # of an economizer's port: distance from others, length
-PORT_AREA_RATIO = 0.0057  # its area over the squared rotor diameter: assumed, 2 cm^2 at 187 mm
 FRICTION, OF_DISPLACED = 0.096, 1.08  # of the indicated power; ratio of that to the theoretical one at 0/40 °C
-# power over that without an economizer, which draws 10 to 20 % more gas: for an estimate
-ECONOMIZED_POWER_FACTOR = 1.12
 # ratio of the axial port beside a slide valve, or the machine's, beyond which bores have no port: assumed
 LARGEST_BORE_PORT_RATIO = 5.0
 STAND_IN, COLDEST_STAND_IN = "R134a", 200.0  # [K] from which its transport properties are taken
@@ -76,8 +72,8 @@ def first_flow(plant: Plant, asked: SceneRequest) -> float:
     if asked.motor is None:
         return DEFAULT_DISPLACEMENT_FLOW
     condition, flow = asked.condition or plant.condition, DEFAULT_DISPLACEMENT_FLOW
-    duty = duty_of(asked.fluid or plant.fluid, flow, condition, plant.condition)
-    return flow * asked.motor / _power(duty, asked)
+    fluid = asked.fluid or plant.fluid
+    return flow * asked.motor / _power(fluid, duty_of(fluid, flow, condition, plant.condition), asked)
 
 
 def scene_of(plant: Plant, asked: SceneRequest, blend_of: str = "") -> str:
@@ -100,7 +96,7 @@ def scene_of(plant: Plant, asked: SceneRequest, blend_of: str = "") -> str:
     viscosity = "" if substitute is None else f",\n    gas_viscosity: {1e3 * substitute[1]:.3g} mPa s"
     values = {
         **conditions(duty, fluid),
-        **_drive(fluid, _power(duty, asked), asked.motor),
+        **_drive(fluid, _power(fluid, duty, asked), asked.motor),
         **_supply(ratio, sizes.mm(bore, 2), cooled),
         "bore": sizes.mm(bore, 2),
         "jet": f"{1e-5 * drop:.2g} bar",
@@ -121,7 +117,7 @@ def scene_of(plant: Plant, asked: SceneRequest, blend_of: str = "") -> str:
         ratio = asked.ratio or usual
         values |= texts.machine(size, asked, usual, duty.p_d / duty.p_s, _slide(text, ratio))
         text = texts.filled("refrigeration", values) + texts.filled("slot", {})
-    return f"{text}{_economizer(text, size)}" if asked.economizer else text
+    return f"{text}{economizer.entry(text, fluid, duty)}" if asked.economizer else text
 
 
 def _supply(ratio: float, bore: str, cooled: bool) -> dict[str, str]:
@@ -159,30 +155,6 @@ def _slide(text: str, ratio: float) -> str:
     return texts.filled("slide", {"axial": f"{axial:g}", "travel": f"{math.floor(1e3 * slide.travel)} mm", **spans})
 
 
-def _economizer(text: str, size: sizes.Size) -> str:
-    """Return the lines of an economizer's port between suction and discharge, for a machine with the given text.
-
-    Raise UsageError where a chamber is not closed long enough for one.
-    """
-    geometry = build_parts(loads(text)).geometry
-    closed, ends = geometry.injection_angle + BESIDE, (geometry.discharge_opens or math.inf) - BESIDE
-    shuts = min(closed + geometry.pitch, ends)
-    first, last = (math.degrees(angle) for angle in (closed, shuts))
-    if shuts - closed < SHORTEST:
-        what = f"suction ends at {first - math.degrees(BESIDE):.0f} deg and discharge begins at"
-        remedy = "choose a larger built-in volume ratio with --vi"
-        raise UsageError(f"--economizer: {what} {math.degrees(ends + BESIDE):.0f} deg: no room for a port ({remedy})")
-    values = {"opens": f"{math.ceil(first)} deg", "closes": f"{math.floor(last)} deg"}
-    return texts.filled("economizer", {**values, "area": sizes.area(PORT_AREA_RATIO * size.diameter**2, 2)})
-
-
-def refused_port(what: str) -> str:
-    """Return why there can be no economizer, with a remedy among the command's options; empty for other faults."""
-    place, _, why = what.partition(": ")
-    remedy = "choose a --condition whose ends are farther apart, or no --economizer"
-    return f"--economizer: {why.rpartition(' (')[0]} ({remedy})" if place.startswith("effects.economizer") else ""
-
-
 def _evidence_comments(fluid: str) -> str:
     """Return the comment lines on the evidence for λ and η_s of the machine."""
     if fluid.lower().removesuffix(ENDING) in CURVES:
@@ -215,10 +187,11 @@ def _usual_ratio(duty: Duty) -> float:
     return sizes.matching(duty.p_d / duty.p_s, duty.k, 0.9)
 
 
-def _power(duty: Duty, asked: SceneRequest) -> float:
+def _power(fluid: str, duty: Duty, asked: SceneRequest) -> float:
     """Return the estimated shaft power [W], including the gas of an economizer."""
     worse = sizes.beyond_matching(duty.p_d / duty.p_s, duty.k, asked.ratio or _usual_ratio(duty))
-    return duty.gas_flow * (ECONOMIZED_POWER_FACTOR if asked.economizer else 1.0) * worse * duty.work / EFFICIENCIES[1]
+    more = economizer.more_power(fluid, duty) if asked.economizer else 1.0
+    return duty.gas_flow * more * worse * duty.work / EFFICIENCIES[1]
 
 
 def _drive(fluid: str, power: float, stated: float | None) -> dict[str, str]:

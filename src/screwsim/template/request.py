@@ -10,12 +10,25 @@ from screwsim.fluid.oils import OILS
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import did_you_mean
-from screwsim.outputs.customary import RPM, in_bar
+from screwsim.outputs.customary import HOUR, MINUTE, RPM, ZERO_CELSIUS, in_bar
+from screwsim.outputs.us_units import CFM, PSI
 from screwsim.scene.units import NUMBER, gauge_pressures_over, is_gauge, parse_quantity, refused_at
 from screwsim.template import sizes
 
 SPEED = 2950.0 * RPM  # [rad/s] of screws
 ATMOSPHERE = 1e5  # [Pa] of a template's surroundings, as in ISO 1217
+R = 8.314462618  # [J/(mol K)], CODATA 2018
+NORMAL, STANDARD = (
+    (ZERO_CELSIUS, 101325.0),
+    (ZERO_CELSIUS + 28.0 / 1.8, 14.696 * PSI),
+)  # as on sheets of gas compressors
+# [mol/s] of gas in one of each flow at a standard state, as an ideal gas; units in lower case without blanks and ^
+STANDARD_FLOWS = {
+    **dict.fromkeys(("nm3/h", "nm³/h"), NORMAL[1] / (R * NORMAL[0]) / HOUR),
+    **dict.fromkeys(("nm3/min", "nm³/min"), NORMAL[1] / (R * NORMAL[0]) / MINUTE),
+    "scfm": STANDARD[1] / (R * STANDARD[0]) * CFM,
+    "mmscfd": STANDARD[1] / (R * STANDARD[0]) * CFM * 1e6 / (24.0 * 60.0),
+}
 _PAIR = re.compile(rf"\s*({NUMBER})\s*([^/,]*?)\s*/\s*({NUMBER})\s*([^,]*?)\s*(?:,\s*(.+?)\s*)?")
 
 
@@ -42,18 +55,21 @@ class SceneRequest:
     condition: str | None = None
     diameter: float | None = None  # of the male rotor; determines the flow
     motor: float | None = None  # rated power, [W]
-    free_air: float | None = None  # delivered by an air package, [m^3/s]: its size is to be sought
+    free_air: float | None = None  # delivered by an air package or booster, at its inlet, [m^3/s]: its size is sought
     capacity: float | None = None  # cooling of a refrigeration machine, heating of a heat pump, [W]: likewise
     economizer: bool = False
     slide: bool = False  # a slide valve
     variable: bool = False  # with an inverter, and speeds to sweep
     sought: str = ""  # option for which the flow was sought with the cycle
+    load: float | None = None  # of the motor, found with that flow, [W]
+    molar: float | None = None  # delivered by a booster, [mol/s], of a flow at a standard state: its size is sought
+    flow_text: str = ""  # what is to be delivered, as stated
 
     @property
     def by_sheet(self) -> bool:
         """Whether the size is to be sought, from what the machine delivers or what its motor takes."""
-        delivered = self.free_air if self.capacity is None else self.capacity
-        return delivered is not None or (self.flow is None and self.motor is not None)
+        delivered = (self.free_air, self.molar, self.capacity)
+        return any(each is not None for each in delivered) or (self.flow is None and self.motor is not None)
 
 
 def request_of(
@@ -85,9 +101,10 @@ def request_of(
     flow = _quantity("--displacement", "displacement", displacement, "600 m^3/h")
     turns = _quantity("--speed", "speed", speed, "2950 rpm")
     rated = _quantity("--motor", "power", motor, "45 kW")
-    delivered = _quantity("--flow", "volume_flow", free_air, "7.5 m^3/min")
+    molar = _standard_flow(free_air)
+    delivered = _quantity("--flow", "volume_flow", free_air, "7.5 m^3/min") if molar is None else None
     duty = _quantity("--capacity", "power", capacity, "300 kW")
-    for option, sought in (("--flow", delivered), ("--capacity", duty)):
+    for option, sought in (("--flow", free_air), ("--capacity", duty)):
         _refuse_both(option, sought, {"--displacement": displacement, "--diameter": diameter}, "the size")
     _refuse_both("--diameter", diameter, {"--displacement": displacement})
     rotor = _quantity("--diameter", "length", diameter, "204 mm")
@@ -97,8 +114,20 @@ def request_of(
             raise UsageError(f"--diameter {diameter}: screws are made from {ends} (choose one within)")
         flow = sizes.displaced(rotor, turns or SPEED)
     return SceneRequest(
-        fluid, flow, turns, vi, oil, condition, rotor, rated, delivered, duty, economizer, slide, variable
-    )
+        fluid, flow, turns, vi, oil, condition, rotor, rated, delivered, duty, economizer, slide, variable,
+        molar=molar, flow_text=free_air or "",
+    )  # fmt: skip
+
+
+def _standard_flow(text: str | None) -> float | None:
+    """Return a flow at a standard state [mol/s], such as '2000 Nm^3/h'; None for other texts."""
+    match = re.fullmatch(rf"\s*({NUMBER})\s*(\S+)\s*", text or "")
+    unit = "" if match is None else match[2].lower().replace("^", "")
+    if match is None or unit not in STANDARD_FLOWS:
+        return None
+    if not float(match[1]) > 0.0:
+        raise UsageError(f"--flow {text}: is not above zero (write e.g. --flow '2000 Nm^3/h')")
+    return float(match[1]) * STANDARD_FLOWS[unit]
 
 
 def _check_names(fluid: str | None, oil: str | None) -> None:
@@ -157,10 +186,10 @@ def _quantity(option: str, kind: str, text: str | None, example: str) -> float |
     return found
 
 
-def condition_of(text: str, kind: str, example: str) -> Condition:
+def condition_of(text: str, kind: str, example: str, ambient: float = ATMOSPHERE) -> Condition:
     """Return two temperatures or pressures `LOW/HIGH UNIT`; the first without a unit has that of the second.
 
-    Gauge pressures are relative to `ATMOSPHERE`, which the scene then states.
+    Gauge pressures are relative to the ambient one [Pa], which the scene then states.
     """
     match = _PAIR.fullmatch(text)
     if match is None:
@@ -169,7 +198,7 @@ def condition_of(text: str, kind: str, example: str) -> Condition:
     if not last:
         raise UsageError(f"--condition {text}: has no unit (write e.g. --condition '{example}')")
     texts = [f"{low} {unit or last}", f"{high} {last}"]
-    with refused_at(f"--condition {text}"), gauge_pressures_over(ATMOSPHERE):
+    with refused_at(f"--condition {text}"), gauge_pressures_over(ambient):
         first, second = (parse_quantity(KINDS[kind], each) for each in texts)
     return Condition(first, second, texts[0], texts[1], beside or "")
 

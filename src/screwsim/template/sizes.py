@@ -64,9 +64,9 @@ def tolerance_unit(diameter: float) -> float:
     return 0.45 * mm ** (1.0 / 3.0) + 0.001 * mm
 
 
-def motor_for(power: float) -> float:
-    """Return the rated power [kW] of the smallest motor with some reserve above a power [W]."""
-    wanted = MOTOR_RESERVE * 1e-3 * power
+def motor_for(power: float, reserve: float = MOTOR_RESERVE) -> float:
+    """Return the rated power [kW] of the smallest motor with a reserve above a power [W]."""
+    wanted = reserve * 1e-3 * power
     return next((float(each) for each in MOTORS if each >= wanted), float(math.ceil(wanted / 100.0) * 100.0))
 
 

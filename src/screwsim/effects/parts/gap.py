@@ -12,13 +12,17 @@ from typing import Any
 from screwsim.effects.base import NEIGHBOUR, Faults, FlowPath, Resistance
 from screwsim.effects.parts import gap_flow
 from screwsim.effects.parts.gas_transport import declared_gas_viscosity
+from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import AREA, choice, file, number, quantity
 from screwsim.inputs.faults import Fault
+from screwsim.machine.protocol import SQUARE
 from screwsim.numerics.kernel import kernel
 from screwsim.numerics.spline import features, read_curve, table_value
 
 GAP_FLOW_COEFFICIENT = 0.7  # model.md, contract: default of gaps
 BIRTH = 20.0 * pi / 180.0  # angle over which a gap opens that would already be open at its trailing chamber's birth
+# a gap of 0.1 of a lobe's height, or 0.02 D, the widest usual one, along a line of 2.5 D has 0.05 D²
+AREA_TABLE = Sized("area_file", SQUARE, 1.0, (0.0, 0.05))
 COUNTS_720 = "has a formula for a chamber life of 720 deg, and the volume's table has another"
 
 

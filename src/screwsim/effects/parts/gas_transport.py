@@ -21,6 +21,12 @@ def declared_gas_viscosity() -> Any:
     return quantity("viscosity", "mu of the gas (default: from CoolProp)", None, gt=0.0, le=1.0, hardly=(2e-6, 2e-4))
 
 
+def declared_gas_conductivity() -> Any:
+    """Declare the thermal conductivity of the gas."""
+    what = "lambda of the gas (default: from CoolProp)"
+    return quantity("thermal_conductivity", what, None, gt=0.0, le=10.0, hardly=(1e-3, 1.0))
+
+
 def gas_numbers(parameters, around: Around, names: Sequence[str] = GAS) -> dict[str, float]:
     """Return the named ones of conductivity [W/(m K)], viscosity [Pa s] and Prandtl number. Raises UsageError."""
     stated: dict[str, float] = {name: getattr(parameters, name) for name in names}

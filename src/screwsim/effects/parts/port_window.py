@@ -5,7 +5,7 @@ Source: ours; docs/model.md M100.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from math import pi
+from math import ceil, floor, pi
 from typing import Any
 
 from screwsim.effects.base import FlowPath
@@ -15,6 +15,7 @@ from screwsim.inputs.faults import Fault
 from screwsim.numerics.kernel import kernel
 
 DEGREE = pi / 180.0
+HUNDREDTH = 0.01 * DEGREE  # to which messages round angles, inwards: what they print is allowed
 RAMP = 10.0 * DEGREE
 LOST_TOO_MUCH = 0.005  # of the shaft power: heat lost with gas pushed back through a port, above which is warned
 
@@ -60,15 +61,17 @@ class CheckWithin:
     def __call__(self, parameters, geometry) -> Iterator[Fault]:
         """Yield a fault where a window extends beyond the chamber's life, or the chamber that rotors make of it."""
         if parameters.closes > geometry.life + 1e-9:
-            what = f"lies beyond the chamber's life of {geometry.life / DEGREE:.6g} deg (choose an earlier angle)"
+            what = f"lies beyond the chamber's life of {geometry.life / DEGREE:.5g} deg (choose an earlier angle)"
             yield Fault(f"effects.{self.name}.closes", what)
             return
         born, ends = _with_volume(geometry)
         if parameters.closes > ends + 1e-9:
-            what = f"lies beyond {ends / DEGREE:.6g} deg, where the chamber's volume ends (choose an earlier angle)"
+            at = f"{floor(ends / HUNDREDTH) / 100.0:g} deg"
+            what = f"lies beyond {at}, where the chamber's volume ends (choose an earlier angle)"
             yield Fault(f"effects.{self.name}.closes", what)
         if parameters.opens < born - 1e-9:
-            what = f"lies before {born / DEGREE:.6g} deg, where the chamber's volume begins (choose a later angle)"
+            at = f"{ceil(born / HUNDREDTH) / 100.0:g} deg"
+            what = f"lies before {at}, where the chamber's volume begins (choose a later angle)"
             yield Fault(f"effects.{self.name}.opens", what)
 
 

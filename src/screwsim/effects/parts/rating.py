@@ -9,12 +9,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from math import log
 
-from screwsim.outputs.us_units import CFM, PSI
+from screwsim.outputs.us_units import CFM, HORSEPOWER, PSI
 
 K = 1.4  # isentropic exponent of air, as ISO 1217 has it
 WEIGHTS = {0.4: 0.25, 0.7: 0.5, 1.0: 0.25}  # weight of each load (share of full flow) in the variable-speed rating
 GAUGE = 75.0 * PSI, 200.0 * PSI  # [Pa] range of gauge pressures that the regulation covers
-FLOW = 35.0 * CFM, 1250.0 * CFM  # [m³/s] range of flows at full load that it covers
+FLOW = 35.0 * CFM, 1250.0 * CFM  # [m³/s] range of flows at full load that it covers, beyond which ...
+MOTOR = 10.0 * HORSEPOWER, 200.0 * HORSEPOWER  # [W] ... a rated power from, or up to, these brings a package under it
 
 
 def isentropic_power(flow: float, suction: float, discharge: float) -> float:
@@ -55,13 +56,16 @@ def part_load_efficiency(efficiencies: Mapping[float, float]) -> float:
     return sum(weight * efficiencies[load] for load, weight in WEIGHTS.items())
 
 
-def outside_scope(flow: float, gauge: float) -> str:
-    """Return why the regulation does not cover a full-load flow [m³/s] and a gauge pressure [Pa]; empty where it does.
+def outside_scope(flow: float, gauge: float, rated: float) -> str:
+    """Return why the regulation does not cover a package; empty where it does (10 CFR 431.344).
 
-    The regulation also covers packages beyond these flows whose motor has 10 to 200 hp, which is not checked here.
+    It has a full-load flow [m³/s], a gauge pressure [Pa] and a motor's rated power [W].
     """
     if not GAUGE[0] <= gauge <= GAUGE[1]:
         return f"{gauge / PSI:.0f} psi above the inlet pressure is outside 75 to 200 psi"
-    if not FLOW[0] <= flow <= FLOW[1]:
-        return f"{flow / CFM:.0f} cfm is outside 35 to 1250 cfm"
+    cfm, hp = f"{flow / CFM:.0f} cfm", f"{rated / HORSEPOWER:.0f} hp"
+    if flow < FLOW[0] and rated < MOTOR[0]:
+        return f"{cfm} is below 35 cfm, and {hp} below 10 hp"
+    if flow > FLOW[1] and rated > MOTOR[1]:
+        return f"{cfm} is above 1250 cfm, and {hp} above 200 hp"
     return ""

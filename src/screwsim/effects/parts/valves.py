@@ -7,7 +7,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from screwsim.effects.base import DISCHARGE, SUCTION, Reading
+from screwsim.effects.base import DISCHARGE, SUCTION, Faults, Reading
+from screwsim.inputs.faults import Fault
 from screwsim.numerics.kernel import kernel
 from screwsim.outputs import names_of, power_figure
 
@@ -22,6 +23,12 @@ VALVE_LOSSES = (
 def port_area(phi, area):
     """Return the area [m²] of a valve's port, which does not depend on the angle."""
     return area
+
+
+def stated_once(own: str, other: str, facts) -> Faults:
+    """Yield a fault where effects of both names are in the scene: each is of the same valves."""
+    if other in facts.effects:
+        yield Fault(f"effects.{own}", f"are simulated together with {other}, the same valves twice (remove one)")
 
 
 def valve_works(pitch) -> tuple[float, float]:

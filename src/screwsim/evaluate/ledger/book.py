@@ -1,6 +1,6 @@
 """The entries of the ledger while they are being added up, and the quantities of a closed cycle that it uses."""
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from screwsim.effects.base import DISCHARGE, SUCTION
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.fluid.reservoir import Reservoir
 from screwsim.model.parts import OilPart
-from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, FIRST_OWN, OF_GAS
+from screwsim.model.slots import DISCHARGE_IN, DISCHARGE_OUT, OF_GAS
 from screwsim.numerics.identity_cache import once
 
 OIL_INJECTION, OIL_SUPPLY = "oil_injection", "oil_supply"
@@ -65,11 +65,12 @@ class LedgerCycle:
     """
 
     def __init__(self, of: Evaluation) -> None:
-        self.problem, self.life, self.streams, self.known = of.problem, of.life, of.streams, of.known
+        self.of, self.problem, self.life, self.streams, self.known = of, of.problem, of.life, of.streams, of.known
+        self.powers = of.powers
         self.parts, self.lines, self.suction = of.problem.parts, of.problem.lines, of.problem.suction
         self.composition, self.R, self.rate = of.life.composition, of.life.R, of.problem.rate
         operation = of.problem.scene.operation
-        self.T_0, self.shaft_power = operation.ambient_temperature, of.figures["shaft_power"]
+        self.T_0 = operation.ambient_temperature
         delivers = of.streams[DISCHARGE_IN, OF_GAS] + of.streams[DISCHARGE_OUT, OF_GAS] < 0.0
         self.line_given = operation.discharge.temperature is not None or not delivers
         self.entries: dict[str, Entry] = {}
@@ -139,7 +140,7 @@ class LedgerCycle:
             found[name] = FlowEnd(name, State(own.T, own.h, own.s), f"{name}_plenum", kept=False)
         return [found[end] for end in self.composition.ends]
 
-    def drawn(self) -> Iterator[tuple[float, Reservoir]]:
-        """Yield the net flow [kg/s] from each own plenum, and its state."""
-        for i, own in enumerate(self.parts.plenums.values(), FIRST_OWN):
-            yield float(self.streams[2 * i, OF_GAS] + self.streams[2 * i + 1, OF_GAS]) * self.rate, own
+    def from_plenums(self, exergy: Callable[[Reservoir], float], without: str = "") -> float:
+        """Return the flow exergy [W] of gas from own plenums, but that of one name."""
+        drawn = self.of.drawn.items()
+        return sum(flow * exergy(self.parts.plenums[name]) for name, flow in drawn if name != without)

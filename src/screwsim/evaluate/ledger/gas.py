@@ -14,7 +14,6 @@ from functools import partial
 from math import log
 from typing import NamedTuple
 
-from screwsim.cycle import suction_line
 from screwsim.cycle.cycle_figures import chamber_end_pressure
 from screwsim.cycle.suction_line import Stream
 from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilSolution, Pulsation, SuctionChange, SuctionHeat
@@ -49,7 +48,7 @@ def gas_rise(cycle: LedgerCycle, suction: State, line: State, discharge: State) 
     if cycle.line_given:
         heat = back * (discharge.h - line.h)
         cycle.add(DISCHARGE_LINE, energy=heat, exergy=back * (exergy(discharge) - exergy(line)))
-    return -(out + back) * exergy(discharge) - sum(net * exergy(own) for net, own in cycle.drawn())
+    return -(out + back) * exergy(discharge) - cycle.from_plenums(exergy)
 
 
 class Throttled(NamedTuple):
@@ -75,8 +74,8 @@ def enter_pulsations(cycle: LedgerCycle, of_lines: Mapping[str, Throttled]) -> N
 def enter_intake(cycle: LedgerCycle, of_gas: float, discharge: State) -> float:
     """Return the exergy rise of the delivered gas from the line's state [W]; enter bypass and throttles (M163)."""
     intake, T_s = cycle.suction, cycle.lines.T_s
-    h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
-    flow, exergy = suction_line.fresh_gas(cycle.problem, cycle.R, cycle.streams) * cycle.rate, cycle.exergy
+    h_d = cycle.of.h_d
+    flow, exergy = cycle.of.fresh_gas * cycle.rate, cycle.exergy
     line, mixed, port = (
         exergy(cycle.state(intake.temperature(port_state, T_s), port_state[slots.DENSITY], port_state[slots.ENTHALPY]))
         for port_state in (intake.line, intake.mixed(h_d), intake.port_state(h_d))
@@ -130,14 +129,13 @@ def line_streams(cycle: LedgerCycle, paths: Rows) -> Streams:
     rows = [row for row, end in zip(paths, cycle.composition.ends, strict=True) if end == SUCTION]
     columns = (kernels.OUT_MASS, kernels.OUT_ENTHALPY, kernels.OUT_OIL, kernels.OUT_OIL_T, kernels.OUT_HELD)
     back = Stream(*(sum(row[column] for row in rows) for column in columns))
-    leak = suction_line.leak(problem, R).times(rate)
+    leak = cycle.of.leak.times(rate)
     sucked = Stream(*cycle.streams[slots.SUCTION_IN].tolist()).times(rate)
     pressed = problem.oil_pressure_term(problem.suction.pressure)
     T_back = back.oil_heat / back.oil if back.oil > 0.0 else 0.0
     T_leak = float(R[slots.R_DISCHARGE + slots.OIL_TEMPERATURE]) - pressed
     T_sucked = float(R[slots.R_SUCTION + slots.OIL_TEMPERATURE]) - pressed
-    fresh = rate * suction_line.fresh_gas(problem, R, cycle.streams)
-    return Streams(fresh, back, leak, sucked, T_back, T_leak, T_sucked)
+    return Streams(rate * cycle.of.fresh_gas, back, leak, sucked, T_back, T_leak, T_sucked)
 
 
 def mean_back(cycle: LedgerCycle, met: Streams, sucked: State) -> State:
@@ -156,7 +154,7 @@ def enter_line(
     `states`: the sucked gas at the pressure before the port, the same at the chambers' end, and the backflow.
     """
     (before, sucked, back), exergy = states, cycle.exergy
-    h_d = float(cycle.R[slots.R_DISCHARGE + slots.ENTHALPY])
+    h_d = cycle.of.h_d
     p = cycle.suction.pressure
     fresh, leaked = cycle.at(p, cycle.suction.port_state(h_d)[slots.ENTHALPY]), cycle.at(p, h_d)
     warmed = _warmed_fresh_gas(cycle, met, fresh)
@@ -175,7 +173,7 @@ def _warmed_fresh_gas(cycle: LedgerCycle, met: Streams, fresh: State) -> State:
     found = fresh
     for name, part in cycle.parts.all(SuctionHeat):
         if met.fresh > 0.0:
-            heat = part.power(cycle.shaft_power, cycle.parts.omega)
+            heat = part.power(cycle.powers.shaft, cycle.parts.omega)
             after = cycle.at(cycle.suction.pressure, found.h + heat / met.fresh)
             rise = after.h - found.h - cycle.T_0 * (after.s - found.s)
             cycle.add(name, energy=heat, exergy=-met.fresh * rise)

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.cycle.cycle_figures import kept_in_oil, oil_lift
+from screwsim.cycle.powers import kept_in_oil
 from screwsim.effects.base import DISCHARGE, SUCTION, LineLeak, OilGas, OilSolution, Pulsation, Separator
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger.book import (
@@ -60,9 +60,8 @@ def oil_rise(cycle: LedgerCycle, sums: OilSums, heats: Array, suction: State) ->
     c, known = cycle.composition, cycle.known
     for name, row in zip(c.heats, heats, strict=True):
         cycle.add(name, energy=float(row[kernels.HEAT]), entropy=float(row[kernels.HEAT_GENERATED]))
-    lift = oil_lift(cycle.parts, known)
     kept = kept_in_oil(cycle.parts, known)
-    cycle.add(OIL_SUPPLY, energy=lift, exergy=known.oil_volume_flow * _throttled(cycle) + kept)
+    cycle.add(OIL_SUPPLY, energy=cycle.powers.lift, exergy=known.oil_volume_flow * _throttled(cycle) + kept)
     for name, part in cycle.parts.all(Pulsation):
         if part.to == DISCHARGE and not cycle.parts.oil_room:  # loss of the oil on its way to the line (M187)
             through = known.oil_volume_flow + known.leaked_oil_flow
@@ -245,9 +244,7 @@ def through_circuit(cycle: LedgerCycle, of: Evaluation, of_gas: float, of_oil: f
     gas = outflow.gas
     left = cycle.state(T, gas.density(outflow.p, T), gas.enthalpy(outflow.p, T))
     flashing = "" if cycle.parts.oil_gas is None else cycle.parts.oil_gas.plenum
-    others = zip(cycle.parts.plenums, cycle.drawn(), strict=True)
-    drawn = sum(net * exergy(own) for name, (net, own) in others if name != flashing)
-    of_parted = outflow.gas_flow * exergy(left) - drawn
+    of_parted = outflow.gas_flow * exergy(left) - cycle.from_plenums(exergy, flashing)
     cooled = outflow.oil_capacity * (T - outflow.T_supply - T_0 * log(T / outflow.T_supply))
     heat = outflow.heating + outflow.friction - parted.lost_friction - parted.ambient_loss
     cycle.add(names[0], gas=outflow.gas_flow, energy=heat, exergy=of_gas + of_oil - of_parted - cooled)

@@ -10,14 +10,13 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from screwsim.cycle.balances import outflow_of
 from screwsim.effects.base import DISCHARGE, SUCTION, PowerLoss, Reading
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.ledger import gas
 from screwsim.evaluate.ledger.book import Entry, LedgerCycle, State
 from screwsim.evaluate.ledger.oil import OilSums, cool_at_lines, oil_rise, through_circuit
 from screwsim.inputs.faults import checked_own_number
-from screwsim.model.slots import DENSITY, ENTHALPY, R_DISCHARGE, R_SUCTION
+from screwsim.model.slots import DENSITY, ENTHALPY, R_SUCTION
 from screwsim.model.turn_scheduler import reach_station
 from screwsim.outputs import Figures
 
@@ -79,11 +78,10 @@ class Ledger:
 
 def ledger(of: Evaluation) -> Ledger:
     """Return the ledger of a closed cycle's shaft power (contract: ledger)."""
-    cycle, R = LedgerCycle(of), of.life.R
+    cycle = LedgerCycle(of)
     suction = _intake_state(cycle)
-    line = cycle.at(cycle.lines.p_d, float(R[R_DISCHARGE + ENTHALPY]))
-    mean = outflow_of(cycle.streams)
-    discharge = line if mean is None else cycle.at(cycle.lines.p_d, mean.enthalpy)
+    line = cycle.at(cycle.lines.p_d, of.h_d)
+    discharge = line if of.outflow is None else cycle.at(cycle.lines.p_d, of.outflow.enthalpy)
     sucked, given = cycle.behind(SUCTION, suction), cycle.behind(DISCHARGE, discharge)
     reach_station()
     moved, heats, oil = (cycle.rate * sums for sums in cycle.life.account(sucked.s, cycle.behind(DISCHARGE, line).s))
@@ -113,7 +111,7 @@ def ledger(of: Evaluation) -> Ledger:
         of_oil = oil_rise(cycle, OilSums(paths, ends, oil, met), heats[:warmed], suction)
         of_gas, of_oil = through_circuit(cycle, of, of_gas, of_oil)
     _losses(cycle)
-    return Ledger(cycle.entries, cycle.T_0, cycle.shaft_power, of_gas, of_oil)
+    return Ledger(cycle.entries, cycle.T_0, cycle.powers.shaft, of_gas, of_oil)
 
 
 def _intake_state(cycle: LedgerCycle) -> State:
@@ -121,7 +119,7 @@ def _intake_state(cycle: LedgerCycle) -> State:
     h, rho = (float(cycle.R[R_SUCTION + at]) for at in (ENTHALPY, DENSITY))
     if cycle.parts.suction_line or cycle.parts.arriving_oil:  # oil that takes room is in the line's own density
         return cycle.at(cycle.suction.pressure, h)
-    port_state = cycle.suction.port_state(float(cycle.R[R_DISCHARGE + ENTHALPY]))
+    port_state = cycle.suction.port_state(cycle.of.h_d)
     return cycle.state(cycle.suction.temperature(port_state, cycle.lines.T_s), rho, h)
 
 

@@ -165,7 +165,7 @@ def make_rotors(
         _refuse(
             [Fault("machine.profile.wrap_angle", "is above 360 deg: chambers would overlap themselves (choose less)")]
         )
-    chain = _checked_chain(pair, replace(profile, wrap_angle=1.0), check, _stamp(profile.file))
+    chain = _checked_chain(pair, replace(profile, wrap_angle=1.0), check, _digest(profile.file))
     rotors = _rotors(pair, chain, length, profile.wrap_angle)
     if check and profile.measured:
         holes = check_blow_holes(rotors.blow_hole.area(rotors.h), rotors.suction_blow_hole.area(rotors.h))
@@ -181,8 +181,8 @@ def _rotors(pair: Pair, chain: Chain, length: float, wrap: float) -> Rotors:
 
 
 @lru_cache(maxsize=MOST_CACHED)
-def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Chain:
-    """Return the contact points of a profile, which do not depend on length and wrap. `stamp`: digest of its file."""
+def _checked_chain(pair: Pair, profile: Profile, check: bool, digest: str) -> Chain:
+    """Return the contact points of a profile, which do not depend on length and wrap. `digest` is that of its file."""
     chain = CHAINS[profile.kind](pair, profile)
     if check:
         _refuse(check_size(pair, chain) if profile.measured else [])
@@ -190,7 +190,7 @@ def _checked_chain(pair: Pair, profile: Profile, check: bool, stamp: str) -> Cha
     return chain
 
 
-def _stamp(file: str | None) -> str:
+def _digest(file: str | None) -> str:
     """Return the digest of a file's content, since its date may stay the same when it changes."""
     return hashlib.sha256(Path(file).read_bytes()).hexdigest() if file is not None and os.path.isfile(file) else ""
 

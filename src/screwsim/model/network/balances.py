@@ -60,29 +60,28 @@ def port_oil_enthalpy(network: Network) -> str:
 
     A pump presses it into the chamber, whatever the pressure of its source (M255).
     """
-    if network.roomed and network.pumped:
+    if network.roomed and network.inflow is not None and network.inflow.pumped:
         return "(P[P_H_PORT] + max(0.0, p - P[P_P_SOURCE]) * P[P_ROOM] / P[P_C_OIL])"
     return "P[P_H_PORT]"
 
 
 def oil_through_ports(to: Statements, network: Network) -> None:
     """Add the oil that enters through ports, and the gas that oil releases (M104, M196, M231)."""
-    if network.ported:
-        to.add(f"# oil through ports (M104{', M255' if network.roomed and network.pumped else ''})")
-        to.add("width = P[P_DISCHARGE_WIDTH]", f"inflow = {network.inflow}")
+    inflow, flash, solution = network.inflow, network.flash, network.solution
+    if inflow is not None:
+        to.add(f"# oil through ports (M104{', M255' if network.roomed and inflow.pumped else ''})")
+        to.add("width = P[P_DISCHARGE_WIDTH]", f"inflow = {inflow.call}")
         to.add("oil_port = inflow", f"oil_energy_port = inflow * {port_oil_enthalpy(network)}")
-        if network.dissolves:
-            to.add(f"held_port = inflow * {network.supply_holds}")
-    gas = f"{network.gas_cell}_in"
-    if network.flash is not None:
-        share, enthalpy, heat = network.flash
+        if solution is not None:
+            to.add(f"held_port = inflow * {solution.in_supply}")
+    if flash is not None:
         to.add("# gas that flashes out of it (M196)")
-        to.add(f"gas = inflow * max(0.0, {share})", f"mass_{gas} += gas", f"energy_{gas} += gas * {enthalpy}")
-        to.add(f"oil_energy_port -= gas * {heat}")
-    if network.release:
+        to.add(f"gas = inflow * max(0.0, {flash.share})", f"mass_{flash.cell}_in += gas")
+        to.add(f"energy_{flash.cell}_in += gas * {flash.enthalpy}", f"oil_energy_port -= gas * {flash.heat}")
+    if solution is not None:
         to.add("# gas that the oil gives off or takes up (M231)")
-        to.add(f"s = {network.entropy}", f"gas, enthalpy, warmth = {network.release}")
-        to.add(f"mass_{gas} += gas", f"energy_{gas} += enthalpy")
+        to.add(f"s = {network.entropy}", f"gas, enthalpy, warmth = {solution.release}")
+        to.add(f"mass_{solution.cell}_in += gas", f"energy_{solution.cell}_in += enthalpy")
         to.add("oil_energy_port -= warmth", "held_port -= gas")
 
 

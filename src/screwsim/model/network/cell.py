@@ -129,8 +129,8 @@ class Cell:
                 found |= {f"{name}_{cell}": BY_ANGLE.format(at=f"{port_state} + {at}") for name, at in changing.items()}
         there = f"(E_next[{self.e}E_ANGLE],"
         slow = network.slow.replace("(phi,", there)
-        if network.ported:
-            inflow = network.inflow.replace("slow * ", f"{slow} * ").replace("(phi,", there)
+        if network.inflow is not None:
+            inflow = network.inflow.call.replace("slow * ", f"{slow} * ").replace("(phi,", there)
             found["inflow"] = f"({inflow} - inflow) * per_delta"
         if network.slow:
             found["slow"] = f"({slow} - slow) * per_delta"

@@ -138,7 +138,7 @@ class Chamber(Cell):
             [*self.states(), HELD_PHASE if network.phases else "phase = 0"],
             [*self._body(False), *KEPT, *self._stored()],
             [*stops.at_rest(network, keep_at_rest, "f"), "own[STEP_END] = E[E_ANGLE]"] if network.stops else [],
-            ["own[FED_LAST] = inflow"] if network.flash_begins else [],
+            ["own[FED_LAST] = inflow"] if network.flash is not None else [],
         )
 
     def jacobian(self) -> str:
@@ -158,7 +158,7 @@ class Chamber(Cell):
         before += [f"{slope_name(name, 'phi')} = {given[name, 'phi']}" for name in ("V", "dV")]
         valves = [port for port in network.ports if port.one_way]
         after = [f"{self.layout.share(port, 'HELD')} = switch_{self.layout.label(port)}" for port in valves]
-        after += ["own[FED_FIRST] = inflow"] if network.flash_begins else []
+        after += ["own[FED_FIRST] = inflow"] if network.flash is not None else []
         if network.stops:
             after += [line for array in ("f", "f_phi") for line in stops.at_rest(network, keep_at_rest, array)]
             after += [*stops.at_rest(network, keep_rows_at_rest, "J"), "own[STEP_BEGIN] = E[E_ANGLE]"]
@@ -222,13 +222,14 @@ class Chamber(Cell):
         """Return the text of the gas that oil releases in the chamber, or that flashes as oil enters."""
         network, to = self.network, Statements()
         gas = "0.0"
-        if network.flash is not None:
+        if network.flash is not None and network.inflow is not None:
             to.add("width = P[P_DISCHARGE_WIDTH]", "p = own[PRESSURE]")
-            to.add(*([f"slow = {network.slow}"] if network.slow else []), f"inflow = {network.inflow}")
-            gas = f"inflow * max(0.0, {network.flash[0]})"
-        if network.release:
+            to.add(*([f"slow = {network.slow}"] if network.slow else []), f"inflow = {network.inflow.call}")
+            gas = f"inflow * max(0.0, {network.flash.share})"
+        if network.solution is not None:
             balances.gas_inside(to, network)
-            to.add("h = own[ENTHALPY]", f"s = {network.entropy}", f"gas, _enthalpy, _warmth = {network.release}")
+            to.add("h = own[ENTHALPY]", f"s = {network.entropy}")
+            to.add(f"gas, _enthalpy, _warmth = {network.solution.release}")
             gas = "gas"
         states = [line for line in self.states() if not line.startswith("phi =")]
         return function(

@@ -133,7 +133,7 @@ class Layout:
             **_counted("MODE_", self.stops, own.modes.start),
             **_counted("DUE_", self.stops, own.due.start),
             **_counted("", AFTER_STOPS if network.stops else (), own.after_stops.start),
-            **_counted("", FED if network.flash_begins else (), own.fed.start),
+            **_counted("", FED if network.flash is not None else (), own.fed.start),
             **_counted("", self.flows),
             **_counted("PATH_", self._labels),
             **_counted("HEAT_", self.heats),

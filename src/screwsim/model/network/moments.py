@@ -213,24 +213,24 @@ class Moments(Chamber):
 
     def _oil(self, to: Statements) -> None:
         """Add the oil that enters through ports (M105, M109), and the gas that oil releases (M197, M233)."""
-        network = self.network
-        if not network.ported:
+        network, inflow = self.network, self.network.inflow
+        flash, solution = network.flash, network.solution
+        if inflow is None:
             return
         T = "T_felt" if network.roomed else "T_oil"
-        to.add("width = P[P_DISCHARGE_WIDTH]", f"inflow = {network.inflow}")
+        to.add("width = P[P_DISCHARGE_WIDTH]", f"inflow = {inflow.call}")
         to.add("oil[PORT_MASS] += dt * inflow", "oil[PORT_PRESSURE] += dt * inflow * p")
         with to.within("if T_oil > 0.0"):
             to.add(f"rise = ({balances.port_oil_enthalpy(network)} - {T}) / T_oil")
             to.add("oil[PORT_GENERATED] += dt * inflow * c_oil * (rise - math.log(P[P_T_OIL] / T_oil))")
-        if network.flash is not None:
-            share, enthalpy, heat = network.flash
-            entropy = f"R[R_{network.gas_cell} + PLENUM_ENTROPY]"
-            to.add(f"gas = inflow * max(0.0, {share})", "oil[FLASH_MASS] += dt * gas")
+        if flash is not None:
+            entropy = f"R[R_{flash.cell} + PLENUM_ENTROPY]"
+            to.add(f"gas = inflow * max(0.0, {flash.share})", "oil[FLASH_MASS] += dt * gas")
             with to.within("if gas > 0.0"):
-                to.add(f"oil[FLASH_GENERATED] += dt * ledger__arriving(gas, {enthalpy}, {entropy}, h, s, T)")
-                to.add(f"oil[FLASH_GENERATED] += dt * gas * {heat} * c_oil * (1.0 / P[P_T_OIL] - 1.0 / T_oil)")
-        if network.release:
-            to.add(f"gas, enthalpy, warmth = {network.release}", "warmth = warmth * c_oil")
+                to.add(f"oil[FLASH_GENERATED] += dt * ledger__arriving(gas, {flash.enthalpy}, {entropy}, h, s, T)")
+                to.add(f"oil[FLASH_GENERATED] += dt * gas * {flash.heat} * c_oil * (1.0 / P[P_T_OIL] - 1.0 / T_oil)")
+        if solution is not None:
+            to.add(f"gas, enthalpy, warmth = {solution.release}", "warmth = warmth * c_oil")
             to.add("oil[FLASH_MASS] += dt * gas", "oil[RELEASED] += dt * warmth")
             to.add("oil[FLASH_GENERATED] += dt * (gas * (s - s_held) - warmth / T_oil)")
-            to.add(f"oil[FLASH_GENERATED] += dt * {self._held_arrival('inflow', network.supply_holds)}")
+            to.add(f"oil[FLASH_GENERATED] += dt * {self._held_arrival('inflow', solution.in_supply)}")

@@ -87,6 +87,34 @@ class Stop:
     stop: str
 
 
+@dataclass(frozen=True)
+class OilInflow:
+    """Oil that enters a chamber through ports."""
+
+    call: str  # oil [kg/s] (phi, p, width)
+    pumped: bool  # whether a pump feeds them
+
+
+@dataclass(frozen=True)
+class Flash:
+    """Gas that flashes out of oil as it enters."""
+
+    cell: str  # the plenum that has its state
+    share: str  # call for the gas per oil (p)
+    enthalpy: str
+    heat: str  # that it takes from the oil, over c_oil
+    begins: str  # the pressure [Pa] above which none flashes
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Gas dissolved in oil, which gives it off over time."""
+
+    cell: str  # the plenum among whose streams it counts
+    release: str  # call for gas, its enthalpy and its heat over c_oil (m_oil, w, s, h, T_oil)
+    in_supply: str  # per oil through ports
+
+
 @dataclass
 class Network:
     """Cells and connections of one machine, and the calls of their kernels."""
@@ -99,7 +127,6 @@ class Network:
     roomed: bool
     varies: bool = False  # whether the gas's exponent and choking vary with its state
     supplied: bool = False  # whether there is oil
-    pumped: bool = False  # whether a pump feeds the oil port
     positive: tuple[bool, ...] = ()  # for each own state, whether it is positive
     ports: list[Port] = field(default_factory=list)
     gaps: list[Gap] = field(default_factory=list)
@@ -111,12 +138,9 @@ class Network:
     gas: str = ""  # call for the state (phase, T, rho)
     entropy: str = ""
     phases: bool = False  # whether the gas can have two
-    inflow: str = ""  # call for oil through ports [kg/s] (phi, p, width)
-    flash: tuple[str, str, str] | None = None  # share of oil that flashes (p), its enthalpy, its heat over c_oil
-    flash_begins: str = ""  # the pressure [Pa] above which no gas flashes
-    release: str = ""  # call for (gas, enthalpy, heat over c_oil) released by oil (m_oil, w, s, h, T_oil)
-    supply_holds: str = ""  # dissolved gas per oil through ports
-    gas_cell: str = ""  # plenum of the gas that flashes or is released
+    inflow: OilInflow | None = None
+    flash: Flash | None = None
+    solution: Solution | None = None
     stops: list[Stop] = field(default_factory=list)
     pulses: tuple[str, ...] = ()  # the lines that pulsate, among `cells`
     across: bool = False
@@ -145,7 +169,7 @@ class Network:
     @property
     def ported(self) -> bool:
         """Whether oil enters through ports."""
-        return bool(self.inflow)
+        return self.inflow is not None
 
     @property
     def pushes(self) -> bool:

@@ -33,7 +33,7 @@ def step_texts(network: Network) -> list[str]:
 
 def step_kernels(network: Network) -> list[Kernel]:
     """Return the kernels that those functions call, and those of port states and of gas between two steps."""
-    asked = {share_before_border: network.phases, share_before_flash: bool(network.flash_begins)}
+    asked = {share_before_border: network.phases, share_before_flash: network.flash is not None}
     asked |= dict.fromkeys((share_before_switch, share_while_steep), any(port.one_way for port in network.ports))
     asked |= dict.fromkeys((density_of, displaced, locked, gas_mass_slope), network.roomed)
     return [relative, dense_slope, closes, stiff, *(each for each, wanted in asked.items() if wanted)]
@@ -116,7 +116,7 @@ def _inject(to: Statements, network: Network) -> None:
     to.add("V = volume_at(P[P_INJECTION], P, TAB)", "m = chamber__gas(V, y, at, P)")
     to.add("p, _h, _c_v, _TpT, _exponent, _choke, _choked = gas_state(y[at + S_T], y[at + S_rho], P, TAB)")
     to.add("R[R_TRAPPED] = m", "R[R_PRESSURE] = p")
-    if network.pumped:
+    if network.inflow is not None and network.inflow.pumped:
         to.add("P[P_TRAPPED] = m")
     if network.carried:
         before = "y[at + S_x_oil] * m"
@@ -171,9 +171,9 @@ def _share_in_phase(to: Statements, network: Network) -> None:
     for test in tests:
         with to.within("if share == 1.0"):
             to.add(f"share = {test}")
-    if network.flash_begins:  # where oil flows in at either end: the bore's window ends on breakpoints
+    if network.flash is not None:  # where oil flows in at either end: the bore's window ends on breakpoints
         with to.within("if share == 1.0 and own[FED_FIRST] + own[FED_LAST] > 0.0"):
-            to.add(f"share = {share_before_flash.flat_name}({network.flash_begins}, y, y1, u, P, TAB)")
+            to.add(f"share = {share_before_flash.flat_name}({network.flash.begins}, y, y1, u, P, TAB)")
     to.add("return share")
 
 

@@ -32,6 +32,7 @@ from screwsim.study.calibration.fit import Measurement, Point
 
 MOST_POINTS = 10_000  # per fit
 UNCERTAINTY_SUFFIX = "_uncertainty"
+OF_OWN_ZERO = UNITS["K"], UNITS["Pa"]  # units of figures of which no share is an uncertainty: readings may be gauge
 SMALLEST, LARGEST = 1e-9, 1e9  # of a value: uncertainties outside are implausible or carry no information
 USE_WORDS = {"": True, "fit": True, "check": False}
 # of the suction temperature [K]: no machine leaves a gas colder; lower values are mostly degC read as K
@@ -56,7 +57,7 @@ class _Column:
     """One column: its kind (name, use, figure, uncertainty, path), what it is of, and its unit.
 
     `quantity` is the dimension of a figure whose unit is one that only scenes know, `coverage` how many standard
-    uncertainties an uncertainty of the column is.
+    uncertainties an uncertainty of the column is; `relative` tells that it is a share of the value.
     """
 
     kind: str
@@ -65,6 +66,7 @@ class _Column:
     leaf: Leaf | None = None
     quantity: Kind | None = None
     coverage: float = 1.0
+    relative: bool = False
 
 
 def read_points(
@@ -153,7 +155,7 @@ def _columns(
     for cell, place in cells:
         name, unit = name_and_unit(COVERAGE_FACTOR.sub("", cell))
         try:
-            found.append((_covered(_column(name, unit, scene, taken), cell), place))
+            found.append((_covered(_column(name, unit, scene, taken, candidates), cell), place))
         except (Refused, UsageError) as refusal:
             refused.add(name)
             problems.add(place, name or "data", str(refusal).removeprefix(f"{name}: "))
@@ -189,7 +191,7 @@ def _covered(column: _Column, head: str) -> _Column:
     return replace(column, coverage=coverage)
 
 
-def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column:
+def _column(name: str, unit: str, scene: Scene, taken: Sequence[str], candidates: bool) -> _Column:
     """Return the meaning of a column; raise `Refused` or UsageError."""
     if name in ("name", "use"):
         return _Column(name, name, unit)
@@ -199,6 +201,8 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str]) -> _Column
         units, kind, unit = units_of(figure), "figure" if figure == name else "uncertainty", tidy_unit(unit)
         if unit in units or (CELSIUS == unit and units is UNITS["K"] and kind == "figure"):
             return _Column(kind, figure, unit)
+        if unit == "%" and kind == "uncertainty" and not candidates and units not in OF_OWN_ZERO:
+            return _Column(kind, figure, unit, relative=True)
         quantity = quantity_of(figure, kind, unit)
         if quantity is None:
             raise Refused(f"unit {shown(unit)} is not one of its units (write [{'], ['.join(u for u in units if u)}])")
@@ -257,6 +261,11 @@ def _point(
         return None
     if candidates:
         found["figure"] = {name: found["figure"].get(name, math.nan) for name in found["uncertainty"]}
+    for figure in (column.of for column, _ in columns if column.relative):
+        if figure in found["figure"] and figure in found["uncertainty"]:
+            found["uncertainty"][figure] *= abs(found["figure"][figure])
+            if not found["figure"][figure]:
+                problems.add(place, figure, "is 0, of which no share is an uncertainty (state it in the figure's unit)")
     for figure, value in found["figure"].items():
         own = found["uncertainty"].get(figure)
         if own is not None and (why := odd_uncertainty(value, own)):
@@ -293,6 +302,8 @@ def _value(column: _Column, text: str) -> Any:
         raise Refused(f"{text} {meant.partition(' (')[0]} (write the unit behind the column's name: {head} [%])")
     if column.kind == "uncertainty" and not value > 0.0:
         raise Refused(f"{text} is out of range (an uncertainty must be greater than 0)")
+    if column.relative:
+        return 0.01 * value / column.coverage
     if column.quantity is not None:
         return value / column.coverage
     if column.unit == CELSIUS:

@@ -5,14 +5,16 @@ lets the Jacobian follow every step; it is computed anew where a step with an up
 squares and, where that is wanted, at the end. The search ends where a step promises less than a thousandth of the
 change due to one standard error.
 
-Sources: C. G. Broyden, Mathematics of Computation 19 (1965) 577; J. Nocedal, S. J. Wright, Numerical Optimization, 2nd
-ed., Springer 2006, 4.1 and 10.3; P. B. Stark, R. L. Parker, Computational Statistics 10 (1995) 129.
+Sources: J. Nocedal, S. J. Wright, Numerical Optimization, 2nd ed., Springer 2006, 4.1 and 10.3; P. B. Stark, R. L.
+Parker, Computational Statistics 10 (1995) 129; of the update, `numerics.broyden`.
 """
 
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+
+from screwsim.numerics import broyden
 
 Array = NDArray[np.float64]
 INITIAL_TRUST_REGION = 0.3  # of the bounds' distance: half size of the first box
@@ -50,7 +52,7 @@ def least_squares(
         there = residuals(places + step)
         gained, was_fresh = cost - float(there @ there), fresh
         if length > SHORTEST_SECANT:
-            slopes, fresh = _broyden_update(slopes, step, there - here), False
+            slopes, fresh = broyden.updated(slopes, _followed(slopes, step, there - here), step), False
         if gained < POOR * promised:
             box = 0.5 * length
         elif gained > GOOD * promised and length > 0.9 * box:
@@ -71,8 +73,6 @@ def _step(slopes: Array, here: Array, low: Array, high: Array) -> Array:
     return np.clip(found.x, low, high)
 
 
-def _broyden_update(slopes: Array, step: Array, change: Array) -> Array:
-    """Return slopes that reproduce the change along a step; those of residuals that jump, as to a failure, are kept."""
-    off = change - slopes @ step
-    off[np.abs(change) > RESIDUAL_JUMP] = 0.0
-    return slopes + np.outer(off, step) / float(step @ step)
+def _followed(slopes: Array, step: Array, change: Array) -> Array:
+    """Return the change of the residuals; of one that jumps, as to a failure, what its slopes say, which then stay."""
+    return np.where(np.abs(change) > RESIDUAL_JUMP, slopes @ step, change)

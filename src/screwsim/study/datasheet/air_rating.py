@@ -20,6 +20,7 @@ from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import Lines, lines
 from screwsim.simulate import simulate_many
 from screwsim.study.asked.goals import Bound
+from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.hottest_room import Room, hottest_rooms
 from screwsim.study.datasheet.load_unload import PATH, LoadUnload, Receiver
 from screwsim.study.datasheet.rated import base_of
@@ -29,6 +30,8 @@ from screwsim.study.pool.progress import Progress
 SPEED, STATE = "operation.speed", "effects.air_package.state"
 LOAD_TOLERANCE = 0.01  # of full flow, tolerance within which a load is met
 EFFICIENCY, POWER = "package_isentropic_efficiency", "package_input_power"
+REFERENCE_INLET = 1e5, 293.15  # Pa, K
+ELSEWHERE = "rated at an inlet other than the 1 bar and 20 °C at which data sheets are compared"
 
 
 class Point(NamedTuple):
@@ -166,13 +169,21 @@ def _regulation(base: Scene, points: Sequence[Point], variable: bool, coolant: s
     full, at = points[0], lines(base)
     speed = "variable" if variable else "fixed"
     least = STANDARDS[speed, coolant].least(full.flow)
-    outside = outside_scope(full.flow, at.p_d - at.p_s)
+    outside = outside_scope(full.flow, at.p_d - at.p_s, motor_of(base).rated_power)
+    if elsewhere(base):
+        return Regulation(speed, coolant, least, None, (), outside or ELSEWHERE, not outside)
     loads, why = _loads(base, points, progress) if variable else ([(1.0, _efficiency(full))], "")
     known = {load: value for load, value in loads if value is not None}
     if not why and len(known) < len(loads):
         why = full.result.notes.get(EFFICIENCY, "one of the loads has no package isentropic efficiency")
     found = None if why else part_load_efficiency(known) if variable else known[1.0]
     return Regulation(speed, coolant, least, found, tuple(known.items()), outside or why, not outside)
+
+
+def elsewhere(scene: Scene) -> bool:
+    """Return whether the inlet of a package is another than that of data sheets."""
+    at = lines(scene)
+    return abs(at.p_s - REFERENCE_INLET[0]) > 1e-3 * REFERENCE_INLET[0] or abs(at.T_s - REFERENCE_INLET[1]) > 0.1
 
 
 def _efficiency(point: Point) -> float | None:

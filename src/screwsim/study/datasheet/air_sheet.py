@@ -7,27 +7,30 @@ from screwsim.effects.air_package import FREE_AIR
 from screwsim.effects.parts.rating import WEIGHTS
 from screwsim.outputs import Result
 from screwsim.outputs.customary import MINUTE, RPM, with_printed_units
-from screwsim.outputs.us_units import CFM, HORSEPOWER, PSI
+from screwsim.outputs.us_units import CFM, PSI
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
-from screwsim.study.datasheet.air_rating import EFFICIENCY, Point, Rating, Regulation
+from screwsim.study.datasheet.air_rating import EFFICIENCY, ELSEWHERE, Point, Rating, Regulation, elsewhere
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_document, lives_table
-from screwsim.study.datasheet.bounds import Limit, exceeded_bounds, motor_of, with_limits_of
+from screwsim.study.datasheet.bounds import Limit, motor_of, with_limits_of
 from screwsim.study.datasheet.columns import GAS_OUT, MIXTURE
 from screwsim.study.datasheet.hottest_room import room_documents, room_lines
 from screwsim.study.datasheet.machine_lines import limits_in_words, load_in_words
+from screwsim.study.datasheet.marks import marks_of
 from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, disclaimer, warning_lines
-from screwsim.study.datasheet.tables import BLANK, MARK, document_figures
+from screwsim.study.datasheet.tables import document_figures
 from screwsim.study.datasheet.units import METRIC, Units
 
-REFERENCE_INLET = 1e5, 293.15  # Pa, K
 KW = 1e3  # W
+MOTOR_INLET = 0.898e5, 313.25  # Pa at 1000 m (ISO 2533), K: what motors are rated for
+BEYOND_MOTORS = "motors are rated for 1000 m (0.9 bar) and 40 °C at the most (IEC 60034-1): beyond, ask for their load"
+THIN_AIR = "conductance, approach and fan power are as stated, though thin air cools less"
 PER_HUNDRED, GRAINS = 100.0 * CFM, 7000.0  # m³/s in 100 cfm; grains in a pound
 POWER, SPECIFIC = "package_input_power", "package_specific_power"
 SEPARATED, COOLED, PACKAGE_VAPOUR = "condensate_flow", "aftercooler_condensate_flow", "package_vapour_flow"
 HEADS = ("rpm", "m³/min", "acfm", "% of full", "kW", "kW/ (m³/min)", "kW/ 100 acfm", "isentropic %")
-US_HEADS = ("rpm", "acfm", "% of full", "hp", "kW", "hp/ 100 acfm", "kW/ 100 acfm", "isentropic %")
+US_HEADS = ("rpm", "acfm", "% of full", "kW", "kW/ 100 acfm", "isentropic %")  # input is in kW on sheets there, too
 DOCUMENT_FIGURES = (
     FREE_AIR, POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
     "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "oil_cooler_load",
@@ -46,14 +49,13 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
     """Return the sheet of a rating, with the energy of demands."""
     shares = year(rated, demands) if demands else ()
     limits = with_limits_of(scene, [room.bound for room in rated.rooms])
-    rows, marked = _rows(rated, limits)
     every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
     return Sheet(
         heading="Air package, rating by ISO 1217",
         title=with_printed_units(scene.title),
         lines=[*_lines(scene, rated), *limits_in_words(limits, rated.units)],
         tables=[
-            Table("Points", heads_of(rated.units), rows, f"{MARK} beyond a limit" if marked else ""),
+            _points_table(rated, limits),
             *([year_table(rated, shares)] if shares else []),
             *lives_table(_named_points(rated), units=rated.units),
         ],
@@ -65,13 +67,13 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
     )
 
 
-def _rows(rated: Rating, limits: Mapping[Limit, str]) -> tuple[list[list[str]], bool]:
-    """Return the rows of the points, those beyond a limit marked, and whether there are any."""
-    beyond = [point.ok and bool(exceeded_bounds(point.result.performance, limits)) for point in rated.points]
+def _points_table(rated: Rating, limits: Mapping[Limit, str]) -> Table:
+    """Return the table of the points, those beyond a limit marked."""
+    results = [point.result if point.ok else None for point in rated.points]
+    marks = marks_of(limits, results)
     rows = [point_row(point, rated.full, rated.units) for point in rated.points]
-    blank = BLANK if any(beyond) else ""
-    marks = [MARK if each else blank for each in beyond]
-    return [[f"{speed}{mark}", *cells] for (speed, *cells), mark in zip(rows, marks, strict=True)], any(beyond)
+    signed = [[f"{speed}{sign}", *cells] for (speed, *cells), sign in zip(rows, marks.column(results), strict=True)]
+    return Table("Points", heads_of(rated.units), signed, marks.note(results, rated.units))
 
 
 def _named_points(rated: Rating) -> list[tuple[str, Result]]:
@@ -85,7 +87,7 @@ def drawings_of(rated: Rating) -> Iterator[Drawing]:
     good = [point for point in rated.points if point.flow > 0.0]
     flow, specific = (MINUTE, "m³/min"), (1.0 / (KW * MINUTE), "kW/(m³/min)")
     if rated.units != METRIC:
-        flow, specific = (1.0 / CFM, "acfm"), (PER_HUNDRED / HORSEPOWER, "hp/(100 acfm)")
+        flow, specific = (1.0 / CFM, "acfm"), (PER_HUNDRED / KW, "kW/(100 acfm)")
     found = [point.result.performance[SPECIFIC] for point in good]
     curve = Curve([flow[0] * point.flow for point in good], [specific[0] * each for each in found])
     label = f"Package specific power [{specific[1]}]"
@@ -101,7 +103,7 @@ def point_row(point: Point, full: Point, units: Units) -> list[str]:
     """Return the cells of a point of the sheet, under `HEADS` or `US_HEADS`."""
     speed = f"{point.rotor_speed / RPM:.0f}"
     if not point.flow > 0.0:
-        return [speed, point.result.status.replace("_", " "), *[""] * (len(HEADS) - 2)]
+        return [speed, point.result.status.replace("_", " "), *[""] * (len(heads_of(units)) - 2)]
     found = point.result.performance
     share, specific = 100.0 * point.flow / full.flow if full.flow > 0.0 else 0.0, found[SPECIFIC]
     efficiency = found.get(EFFICIENCY)
@@ -110,8 +112,7 @@ def point_row(point: Point, full: Point, units: Units) -> list[str]:
     if units == METRIC:
         cells = [f"{MINUTE * point.flow:.2f}", flow, part, power, f"{specific / (KW * MINUTE):.2f}", per_hundred]
     else:
-        per_hundred_hp = f"{PER_HUNDRED * specific / HORSEPOWER:.1f}"
-        cells = [flow, part, f"{found[POWER] / HORSEPOWER:.1f}", power, per_hundred_hp, per_hundred]
+        cells = [flow, part, power, per_hundred]
     return [speed, *cells, "" if efficiency is None else f"{100.0 * efficiency:.1f}"]
 
 
@@ -192,7 +193,7 @@ def _unloaded(rated: Rating) -> str:
         return idle.result.told
     power = idle.result.performance[POWER]
     share = f", {_percent(power / rated.full.result.performance[POWER])} of that at full flow" if rated.full.ok else ""
-    return f"{rated.units.power.factor * power:.1f} {rated.units.power.unit} unloaded{share}"
+    return f"{power / KW:.1f} kW unloaded{share}"
 
 
 def _verdict(found: Regulation | None) -> tuple[str, str, bool | None] | None:
@@ -224,10 +225,14 @@ def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
 
 
 def inlet_note(scene: Scene) -> Iterator[str]:
-    """Yield a note where the inlet of a package is another than that of data sheets."""
+    """Yield notes where the inlet of a package is another than that of data sheets, or than motors are rated for."""
+    if elsewhere(scene):
+        yield ELSEWHERE
     at = lines(scene)
-    if abs(at.p_s - REFERENCE_INLET[0]) > 1e-3 * REFERENCE_INLET[0] or abs(at.T_s - REFERENCE_INLET[1]) > 0.1:
-        yield "rated at an inlet other than the 1 bar and 20 °C at which data sheets are compared"
+    if at.p_s < MOTOR_INLET[0] or at.T_s > MOTOR_INLET[1]:
+        yield BEYOND_MOTORS
+    if at.p_s < MOTOR_INLET[0]:
+        yield THIN_AIR
 
 
 def point_notes(points: Sequence[tuple[str, Point]]) -> Iterator[str]:

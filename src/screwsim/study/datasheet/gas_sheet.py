@@ -172,10 +172,13 @@ def _columns(rated: SceneRating) -> tuple[Column, ...]:
         filled,
         *outlet_temperatures(own, scene.oil_supply is not None, "Outlet" if expands else "Discharge", units),
     ]
+    if expands and "discharge_quality" in own:
+        columns.append(Column("discharge_quality", "Outlet quality", 1.0, 3))
     if not expands:
         columns.append(_standard_flow(rated))
     if machine_lines.is_oil_cooled(scene):
-        columns.append(measured(DUTY, "Oil cooler duty", units.heat, size))
+        heat = units.heat._replace(factor=sign * units.heat.factor)  # an expander's oil is warmed
+        columns.append(measured(DUTY, "Heat that warms the oil" if expands else "Oil cooler duty", heat, size))
     return tuple(columns)
 
 

@@ -56,7 +56,7 @@ def oil_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) -> L
         heat = "what warms it again" if scene.machine.expands else "the duty of its cooler"
         yield "oil", f"{text}; {heat} is not simulated (effects.separator)"
     elif duty < 0.0:
-        yield "oil", f"{text}; {-factor * duty:.1f} {unit} warm it again"
+        yield "oil", f"{text}; {-factor * duty:.1f} {unit} warm it again, which no efficiency counts"
     else:
         yield "oil", f"{text}; its cooler takes {factor * duty:.1f} {unit}" if cooled else f"{text}; no cooler"
 

@@ -48,8 +48,10 @@ DISCLAIMER = disclaimer("EN 12900 or AHRI 540")
 def refrigeration_sheet(rated: SceneRating, heating: bool = False) -> Sheet:
     """Return the sheet of a rating; for a heat pump with the heat of its condenser."""
     scene = rated.asked.scene
+    hot = "condensing temperature" if scene.operation.gas_cooler is None else "gas-cooler pressure"
+    evaporating = "evaporating" if scene.operation.gas_cooler is None else "evaporating temperature"
     return Sheet(
-        heading="Refrigeration compressor, rating by evaporating and condensing temperature",
+        heading=f"Refrigeration compressor, rating by {evaporating} and {hot}",
         title=with_printed_units(scene.title),
         lines=list(_lines(rated, heating)),
         tables=list(tables_of(rated, heating)),
@@ -118,7 +120,8 @@ def heating_line(rated: Rating[Any]) -> tuple[str, str]:
     capacity, cop = f"{heat.cell(rated.own.performance)} {heat.unit}", cop.cell(rated.own.performance)
     coolers = ", without the oil cooler" if len(rated.asked.scenes) == 1 else ", without the oil coolers"
     oiled = any(scene.oil_supply is not None for scene in rated.asked.scenes)
-    return "heating", f"{capacity} from the condenser{coolers if oiled else ''}; COP {cop}"
+    where = "condenser" if rated.asked.scenes[-1].operation.gas_cooler is None else "gas cooler"
+    return "heating", f"{capacity} from the {where}{coolers if oiled else ''}; COP {cop}"
 
 
 def _drawings(rated: SceneRating) -> Iterator[Drawing]:

@@ -150,6 +150,22 @@ def _lines(chain: StageChain, rated: Rating, own: ChainResult) -> Iterator[tuple
         losses = [_loss(each, units) for each in own.stages]
         told = [f"{name} stage {loss}" for name, loss in zip(STAGE_NAMES, losses, strict=True) if loss]
         yield "losses", f"{', '.join(told)}, at full flow" if told else "none stated by the scenes"
+        yield from _heat(chain, own, units)
+
+
+def _heat(chain: StageChain, own: ChainResult, units: Units) -> Iterator[tuple[str, str]]:
+    """Yield the heat of both stages at full flow, and the temperature at the outlet, where they are known."""
+    stages = [each.performance for each in own.stages]
+    heats, oil = (
+        [each[name] for each in stages if each.get(name) is not None] for name in ("package_heat", "oil_cooler_duty")
+    )
+    factor, unit = units.heat
+    if len(heats) == len(oil) == len(stages):
+        beside = " beside the intercooler's" if chain.intercooler.kind == "cooler" else ""
+        whole = f"{factor * sum(heats):.1f} {unit}{beside} at full flow"
+        yield "heat", f"{whole}, {factor * sum(oil):.1f} {unit} of it in the oil coolers"
+    if (T := stages[1].get("package_discharge_temperature")) is not None:
+        yield "outlet", f"air at {units.degrees(T, '.1f')}"
 
 
 def _loss(found: Result, units: Units) -> str:

@@ -22,10 +22,10 @@ from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, TITLE, lives_ta
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.columns import BAR, KW, MIXTURE, NONE, PERCENT, Column, decimals_of, in_units
 from screwsim.study.datasheet.machine_lines import DUTY, Lines
+from screwsim.study.datasheet.marks import BLANK
 from screwsim.study.datasheet.refrigeration_sheet import own_point
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table
 from screwsim.study.datasheet.stages_rating import ChainRating, refrigerates
-from screwsim.study.datasheet.tables import BLANK
 from screwsim.study.datasheet.units import Units
 from screwsim.study.stages import ChainResult
 from screwsim.study.stages.axes import BATHES, COOLS, FLASHES, NOTHING, STAGE_NAMES

@@ -16,12 +16,13 @@ from screwsim.study.datasheet.bearing_lives import lives_document
 from screwsim.study.datasheet.bounds import exceeded_bounds, limit_text
 from screwsim.study.datasheet.columns import GAS_OUT, MIXTURE, NONE, Column
 from screwsim.study.datasheet.machine_lines import Lines, limits_in_words
+from screwsim.study.datasheet.marks import BLANK, Marks, marks_of
 from screwsim.study.datasheet.rated import Axis, Rating
 from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
 from screwsim.study.datasheet.units import Units
 from screwsim.study.part_load import GAS, SPEED_PATH, LoadStep, PartLoad
 
-BLANK, MARK = "\u00a0", "*"
+AS_ABOVE = "marks: as above"
 TablePlace = tuple[int, int]  # indices on the axes across and down
 
 
@@ -70,26 +71,29 @@ def main_heads(rated: Rating, columns: Sequence[Column]) -> list[tuple[str, Colu
 
 def tables_of(rated: Rating, columns: Sequence[Column]) -> Iterator[Table]:
     """Yield the table of each column."""
-    asked = rated.asked
+    asked, marks = rated.asked, _marks(rated)
     across = [shown_at(asked.across, value, asked.units).replace(" ", BLANK) for value in asked.across.values]
-    heads = [asked.sides[1], *across]
-    for column in columns:
-        places = ([(i, j) for i in range(len(across))] for j in range(len(asked.down.values)))
-        cells = [[_cell(rated, column, *place) for place in row] for row in places]
-        marked = any(beyond for row in cells for _, beyond in row)
-        texts = [[text if marked else text.rstrip(BLANK) for text, _ in row] for row in cells]
-        down = (shown_at(asked.down, value, asked.units) for value in asked.down.values)
-        rows = [[value, *row] for value, row in zip(down, texts, strict=True)]
-        yield Table(column.title, heads, rows, f"{MARK} beyond a limit" if marked else "")
+    down = [shown_at(asked.down, value, asked.units) for value in asked.down.values]
+    places = [(i, j) for j in range(len(down)) for i in range(len(across))]
+    results = [rated.points.get(place) for place in places]
+    signs, note = marks.column(results), marks.note(results, asked.units)
+    for k, column in enumerate(columns):
+        cells = [_cell(column, result, sign) for result, sign in zip(results, signs, strict=True)]
+        rows = [[value, *cells[j * len(across) : (j + 1) * len(across)]] for j, value in enumerate(down)]
+        yield Table(column.title, [asked.sides[1], *across], rows, AS_ABOVE if note and k else note)
 
 
-def _cell(rated: Rating, column: Column, i: int, j: int) -> tuple[str, bool]:
-    """Return the text at one point of a table, and whether the point lies beyond a limit."""
-    result = rated.points.get((i, j))
-    if result is None or result.status != "ok":
-        return "" if result is None else NONE, False
-    beyond = bool(exceeded_bounds(result.performance, rated.asked.bounds))
-    return column.cell(result.performance) + (MARK if beyond else BLANK), beyond
+def _marks(rated: Rating) -> Marks:
+    """Return the marks of all points over the table and of part load."""
+    loads = (step.result for load in rated.loads for step in load.steps)
+    return marks_of(rated.asked.bounds, [*rated.points.values(), *loads])
+
+
+def _cell(column: Column, result: Result | None, sign: str) -> str:
+    """Return the text at one point of a table."""
+    if result is None:
+        return ""
+    return column.cell(result.performance) + sign if result.status == "ok" else NONE
 
 
 def part_load_table(
@@ -102,29 +106,21 @@ def part_load_table(
     columns = [*main_heads(rated, main), *more]
     heads = ["control", "load %", "setting", *(head for head, _ in columns)]
     heads += ["best Vi", there] if rated.asked.ratios else []
-    rows, marked = [], False
+    rows: list[list[str]] = []
+    marks, results = _marks(rated), [step.result for load in rated.loads for step in load.steps]
+    signs = iter(marks.column(results))
     for load in rated.loads:
         for k, step in enumerate(load.steps):
-            found = step.result
-            beyond = found.status == "ok" and bool(exceeded_bounds(found.performance, rated.asked.bounds))
-            marked |= beyond
             setting = rated.asked.shown(load.control.path, step.setting, 4)
             cells = [column.cell(step.result.performance) for _, column in columns]
             if rated.asked.ratios:
                 better = step.best.performance if step.best is not None else {}
                 cells += [NONE if step.ratio is None else f"{step.ratio:.2f}", main[2].cell(better)]
-            rows.append(
-                [
-                    load.control.name if k == 0 else "",
-                    f"{100.0 * step.load:.0f}{MARK if beyond else BLANK}",
-                    setting,
-                    *cells,
-                ]
-            )
+            name = load.control.name if k == 0 else ""
+            rows.append([name, f"{100.0 * step.load:.0f}{next(signs)}", setting, *cells])
     if rows:
-        note = f"{note}; {MARK} beyond a limit" if marked else note
-        rows = rows if marked else [[cell.rstrip(BLANK) for cell in row] for row in rows]
-        yield Table("Part load at equal loads", heads, rows, note, left=1, across=True)
+        told = "; ".join(filter(None, [note, marks.note(results, rated.asked.units)]))
+        yield Table("Part load at equal loads", heads, rows, told, left=1, across=True)
 
 
 def envelope_table(rated: Rating, side: str = "") -> Iterator[Table]:

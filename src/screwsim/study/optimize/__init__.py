@@ -247,6 +247,8 @@ def _why_none(record: Record, solved: np.ndarray, excess: np.ndarray) -> str:
     """Return why no evaluation is feasible."""
     if not solved.any():
         reason, count = record.reasons.most_common(1)[0]
+        if len(record) == 1:
+            return f"the evaluation {reason}"
         return f"all {len(record)} evaluations failed, {count} of them with: {reason}"
     least = np.nanmin(excess[solved], axis=0)
     bounds = zip(record.asked.bounds, least, strict=True)

@@ -90,7 +90,11 @@ def _part_load_result(
     trials = Trials(scene, (span,), (goal,), simulate, LOAD_TOLERANCE)
     met = one_goal.solve(trials)
     if met is None or met.result is None:
-        why = trials.reasons[0] if trials.reasons else f"{points.by} does not reduce it that far"
+        why = (
+            trials.reasons[0]
+            if trials.reasons
+            else f"{points.by} does not reduce it that far (give this point a larger load)"
+        )
         return {}, Result("failed", message=f"the load of {load:.0%} is not reached: {why}")
     return trials.values(met.places), met.result
 

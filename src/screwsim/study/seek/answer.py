@@ -144,7 +144,17 @@ def why_missed(trials: Trials, best: Trial) -> str:
         end = ", next to values that fail (change what else limits it)"
     if refusals:
         end = f", and beyond there is no solution: {refusals[0]}" if all(refusals) else " (widen the range)"
-    return f"nothing within {ranges} gives {wanted}: the nearest is {came}, at {where}{end}"
+    return f"nothing within {ranges} gives {wanted}: the nearest is {came}, at {where}{_other_sign(trials) or end}"
+
+
+def _other_sign(trials: Trials) -> str:
+    """Return that a goal above zero is one of a figure that is below zero throughout; empty where it is not."""
+    for number, goal in enumerate(trials.goals):
+        found = [trial.off[number] + goal.value for trial in trials.closed]
+        if goal.value > 0.0 and max(found, default=0.0) < 0.0:
+            text = figure_text(goal.figure, -goal.value)
+            return f" ({shown_name(goal.figure)} is below zero throughout: write e.g. {goal.figure}={text})"
+    return ""
 
 
 def _jump_in_words(trials: Trials) -> str:

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from screwsim.numerics import broyden
 from screwsim.study.seek.trials import Trial, Trials
 
 Array = NDArray[np.float64]
@@ -52,7 +53,7 @@ def _newton_from(trials: Trials, here: Trial) -> Trial:
         step = _newton_step(slopes, here.places, _scaled(trials, here))
         new = _damped_step(trials, here, step, slopes)
         if new is not None:
-            slopes, here, fresh = _broyden_update(trials, slopes, here, new), new, False
+            slopes, here, fresh = _learnt(trials, slopes, here, new), new, False
             continue
         if fresh:
             return here  # even Newton's own direction gains nothing: the nearest within the ranges
@@ -82,8 +83,7 @@ def _damped_step(trials: Trials, here: Trial, step: Array, slopes: Array) -> Tri
     return None
 
 
-def _broyden_update(trials: Trials, slopes: Array, here: Trial, new: Trial) -> Array:
-    """Return the Jacobian after Broyden's update: it reproduces the change along the last step."""
+def _learnt(trials: Trials, slopes: Array, here: Trial, new: Trial) -> Array:
+    """Return the Jacobian that reproduces the change along the last step."""
     step = np.array(new.places) - np.array(here.places)
-    missed = _scaled(trials, new) - _scaled(trials, here) - slopes @ step
-    return slopes + np.outer(missed, step) / float(step @ step)
+    return broyden.updated(slopes, _scaled(trials, new) - _scaled(trials, here), step)

@@ -37,9 +37,13 @@ from screwsim.study.stages.tolerances import read_between, read_correlated
 
 KEYS = ("title", STAGES, "intercooler", "sweep", BLOCK)
 _REMEDY = "write stages: [first.yaml, second.yaml]"
-AFTERCOOLERS = (  # why neither scene may name one, and what to do, of each stage
-    ("whose cooling the line to the other stage states", "whose approach would be to the warm suction of that stage"),
-    ("intercooler: {kind: cooler, outlet_temperature: …, pressure_drop: …}", "add its loss to that of a valve"),
+COOLED_BETWEEN = (
+    "the first scene names an aftercooler, whose cooling the line to the other stage states (write aftercooler: null "
+    "there, and intercooler: {kind: cooler, outlet_temperature: …, pressure_drop: …})"
+)
+WARM_COOLANT = (
+    "the second scene's {what} would have the warm suction of that stage for its coolant (state its "
+    "coolant_temperature there)"
 )
 
 
@@ -166,15 +170,16 @@ def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str,
                 drawn = "which draws gas that the balance between the stages does not include"
                 what = f"the {name} scene names {effect}, {drawn}"
                 problems.add(place, STAGES, f"{what} (leave it out there)")
-    for name, scene, what, remedy in zip(STAGE_NAMES, (first, second), *AFTERCOOLERS, strict=True):
-        if getattr(package_of(scene), "aftercooler", None) is not None:
-            what = f"the {name} scene names an aftercooler, {what}"
-            problems.add(place, STAGES, f"{what} (write aftercooler: null there, and {remedy})")
+    coolers = [getattr(package_of(scene), "aftercooler", None) for scene in (first, second)]
+    if coolers[0] is not None:
+        problems.add(place, STAGES, COOLED_BETWEEN)
+    if coolers[1] is not None and coolers[1].coolant_temperature is None:
+        problems.add(place, STAGES, WARM_COOLANT.format(what="aftercooler"))
+    for name, scene in zip(STAGE_NAMES, (first, second), strict=True):
         if not getattr(package_of(scene), "delivers", True):
             problems.add(place, STAGES, f"the {name} scene {UNLOADED_STAGE} (write state: loaded there)")
     if any(each.cooled_by_inlet for each in parameters_of_type(second.effects, CoolsOil).values()):
-        what = "the second scene's oil cooler would have the warm suction of that stage for its coolant"
-        problems.add(place, STAGES, f"{what} (state its coolant_temperature there)")
+        problems.add(place, STAGES, WARM_COOLANT.format(what="oil cooler"))
     if first.gas != second.gas:
         apart = (
             each.name for each in fields(first.gas) if getattr(first.gas, each.name) != getattr(second.gas, each.name)

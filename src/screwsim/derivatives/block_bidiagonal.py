@@ -1,11 +1,15 @@
-"""The factored stage equations of all slices: each chamber couples only to the next ones, so their matrix is banded."""
+"""The linearised stage equations of all slices: a block-bidiagonal system, as each begins where the last one ends.
+
+The block of a slice is 1 − h A ⊗ J, with the tableau A of Radau's method (`radau`). It is a band of blocks itself, as
+each chamber couples only to the next ones (`stages`).
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from screwsim.derivatives.chamber_stages import compiled as alone
-from screwsim.derivatives.slices import NODES
+from screwsim.derivatives.radau import NODES
 from screwsim.derivatives.stages import LITTLE, compiled
 from screwsim.numerics.reused_arrays import empty
 
@@ -13,8 +17,8 @@ Array = np.ndarray
 ALL = slice(None)
 
 
-class Blocks:
-    """1 − h a J of every slice, factored; J (slices, NODES, N, N) are derivatives by the states of all chambers."""
+class BlockBidiagonal:
+    """The system, its blocks factored; J (slices, NODES, N, N) are the derivatives by the states of all chambers."""
 
     def __init__(self, J: Array, widths: Array, states: int, reach: int) -> None:
         """Factor; a chamber has so many `states` and couples to `reach` chambers on, further ones are left out."""
@@ -26,12 +30,12 @@ class Blocks:
         else:
             compiled().stages__factor(J.reshape(-1, N, N), widths, states, reach, self.factors, self.pivots)
 
-    def among(self, others: Blocks, own: Array, at: Array, chambers: int) -> Blocks:
+    def among(self, others: BlockBidiagonal, own: Array, at: Array, chambers: int) -> BlockBidiagonal:
         """Return a mixture of these factors and others, for each chamber: slices marked in `own` are from these.
 
         The remaining slices are those at indices `at` of the others.
         """
-        found = object.__new__(Blocks)
+        found = object.__new__(BlockBidiagonal)
         found.states, found.reach = self.states, self.reach
         size, count = self.factors.shape[-1], len(own)
         found.factors, found.pivots = empty(chambers * count, size, size), np.empty((chambers * count, size), np.int64)
@@ -68,7 +72,7 @@ class Blocks:
 
 
 def follow_once(J: Array, widths: Array, states: int, reach: int, start: Array, right: Array) -> Array:
-    """Return the same as `Blocks(J, …).follow(start, right)`, slice by slice without keeping the factors."""
+    """Return the same as `BlockBidiagonal(J, …).follow(start, right)`, slice by slice without keeping the factors."""
     count, _, N, k = right.shape
     now, rows = np.array(start, order="C"), right.reshape(count, NODES * N, k)
     compiled().stages__follow_once(J.reshape(-1, N, N), widths, states, reach, now, rows)

@@ -1,43 +1,29 @@
-"""Slices of a pitch of all chambers, with three Radau nodes each: order 5, damped where stiff.
+"""The mesh of a pitch: slices, each with the nodes of Radau's method (`radau`).
 
 Slices end on the breakpoints of the laws and are at first as dense as the integrator's steps of the closed cycle, of
 all chambers; those with too large an error are divided. Where a flow turns round, its slope over the pressures is
 steepest, in a layer as wide as the regularisation; there the response to a small change is decided, of which the error
 of the states shows nothing. So slices end there and are as short as that layer around it.
-
-Source: E. Hairer, G. Wanner, Solving Ordinary Differential Equations II, 2nd ed., Springer 1996, IV.5 (Radau IIA).
 """
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
+from screwsim.derivatives.radau import NODES, SHARES
 from screwsim.effects.base import FlowPath
 from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH
 
 Array = np.ndarray
-_ROOT = 6.0**0.5
-SHARES = np.array(((4.0 - _ROOT) / 10.0, (4.0 + _ROOT) / 10.0, 1.0))  # nodes, as shares of a slice
-INTEGRALS = np.array(
-    (
-        ((88.0 - 7.0 * _ROOT) / 360.0, (296.0 - 169.0 * _ROOT) / 1800.0, (-2.0 + 3.0 * _ROOT) / 225.0),
-        ((296.0 + 169.0 * _ROOT) / 1800.0, (88.0 + 7.0 * _ROOT) / 360.0, (-2.0 - 3.0 * _ROOT) / 225.0),
-        ((16.0 - _ROOT) / 36.0, (16.0 + _ROOT) / 36.0, 1.0 / 9.0),
-    )
-)
-NODES = len(SHARES)
-EIGENVALUE = 1.0 / (1.0 / 30.0 * (6.0 + 81.0 ** (1.0 / 3.0) - 9.0 ** (1.0 / 3.0)))  # real one of INTEGRALS⁻¹
-EMBEDDED = np.array((-(13.0 + 7.0 * _ROOT) / 3.0, (-13.0 + 7.0 * _ROOT) / 3.0, -1.0 / 3.0))  # of the error estimate
 CORNER = 1e-6  # rad: corners nearer than this to a breakpoint or to each other are merged
 LEAST_GAP = 1e-7  # rad: ends of steps nearer than this to each other are merged
 OF_WIDTH = 1e-6  # share of a segment: ends of steps so near to its ends are ignored
-
-
 LEAST = 1e-9  # rad: shortest slice ...
 LONGEST = math.radians(1.0)  # ... and longest one: errors of the states do not show a law that moves
 MOST = 4  # parts into which one refinement divides a slice
@@ -63,11 +49,26 @@ class Crossing(NamedTuple):
     share: float = SHARE_BEFORE
 
 
-class Slices(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Mesh:
     """Slices of a pitch: edges (slices + 1,) [rad], and middles (slices,) [rad] that select a side at breakpoints."""
 
     edges: Array
     middles: Array
+
+    @classmethod
+    def between(cls, edges: Array) -> Self:
+        """Return the mesh of slices between edges [rad]."""
+        return cls(edges, 0.5 * (edges[:-1] + edges[1:]))
+
+    def with_edges(self, edges: Array) -> Self:
+        """Return the mesh with edges [rad] moved a little: nodes move, their segments of the laws stay."""
+        return type(self)(edges, self.middles)
+
+    @property
+    def count(self) -> int:
+        """The number of slices."""
+        return len(self.middles)
 
     @property
     def widths(self) -> Array:
@@ -81,10 +82,10 @@ class Slices(NamedTuple):
         found[:, -1] = self.edges[1:]
         return found
 
-
-def between(edges: Array) -> Slices:
-    """Return the slices between edges."""
-    return Slices(edges, 0.5 * (edges[:-1] + edges[1:]))
+    @property
+    def of_nodes(self) -> Array:
+        """The slice of each node (slices NODES,)."""
+        return np.repeat(np.arange(self.count), NODES)
 
 
 def fixed_edges(machinery: Machinery, parts: Parts) -> Array:

@@ -1,0 +1,31 @@
+"""Whether a package's pressure losses are those at its flow.
+
+Source: docs/model.md M343.
+"""
+
+from typing import NamedTuple
+
+from screwsim.build import package_of
+from screwsim.cycle.problem import Problem
+
+
+class Package(NamedTuple):
+    """The difference between the losses with which a cycle was integrated and those at its flow.
+
+    `before` and `behind` [Pa] are the changes needed, `open` is the larger one over its line's pressure.
+    """
+
+    before: float
+    behind: float
+    open: float
+
+
+def package_residual(problem: Problem, flow: float | None) -> Package | None:
+    """Return the difference between a problem's losses and those at a mass flow [kg/s]; None without a package."""
+    package, posed = package_of(problem.scene), problem.scene.losses
+    if package is None or posed is None:
+        return None
+    outlet = problem.lines.p_d - posed.behind
+    found = package.losses(max(flow or 0.0, 0.0) / problem.inlet.density, problem.lines.p_s, outlet)
+    before, behind = found.before - posed.before, found.behind - posed.behind
+    return Package(before, behind, max(abs(before) / problem.lines.p_s, abs(behind) / outlet))
