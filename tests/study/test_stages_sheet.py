@@ -96,7 +96,7 @@ def table(sheet, title):
 
 
 def number(cell):
-    return float(cell.strip("*\u00a0 %"))
+    return float(cell.strip("*†‡\u00a0 %"))
 
 
 def test_a_cell_is_that_of_a_run_with_these_temperatures(plant, rated):
