@@ -232,11 +232,16 @@ def test_public_names_are_there_and_typed():
 
 def test_a_figure_says_its_unit_and_meaning_and_is_a_number(result):
     power = result.performance.shaft_power
-    assert repr(power).endswith(" kW), shaft power") and " W (" in repr(power) and power.units == "W"
+    assert " kW), shaft power" in repr(power) and " W (" in repr(power) and power.units == "W"
     plain = repr(result.performance["shaft_power"])
     assert str(power) == f"{power}" == json.dumps(power) == repr(float(power)) == plain
     again = pickle.loads(pickle.dumps(power))
     assert again == power and repr(again) == repr(power) and type(power + 1.0) is float
+
+
+def test_a_difference_of_temperatures_is_printed_in_K_and_keeps_its_unit():
+    superheat = screwsim.simulate(POINT.parents[1] / "rotors" / "b.yaml").performance.suction_superheat
+    assert repr(superheat).startswith(f"{float(superheat)!r} K, ") and superheat.units == "kelvin"
 
 
 def test_balances_errors_and_ledger_say_their_units(result):
@@ -261,6 +266,14 @@ def test_derivatives_cost_nothing_before_they_are_asked_for(monkeypatch):
     assert pickle.loads(pickle.dumps(result)).performance == result.performance
     with pytest.raises(AssertionError, match="nobody asked"):
         result.derivatives["shaft_power", "operation.speed"]
+
+
+def test_a_result_without_uncertainties_says_how_to_find_them(result):
+    assert not result.uncertainty
+    with pytest.raises(KeyError, match=r"shaft_power: simulate finds no uncertainties .*screwsim.uncertainty\(scene\)"):
+        result.uncertainty["shaft_power"]
+    assert "screwsim.uncertainty(scene)" in repr(result.uncertainty)
+    assert pickle.loads(pickle.dumps(result)) == result
 
 
 def test_a_result_equals_its_copies_and_nothing_else(result):

@@ -38,6 +38,7 @@ CALLS = {
     "loads": {"text": "title: x\n"},
     "open_results": {"path": "map.h5"},
     "sensitivities": {"scene": POINT},
+    "sobol_indices": {"scene": POINT, "ranges": ["oil_supply.ratio=0.5..2"]},
     "tabulate": {"source": POINT, "over": {"operation.speed": (200.0, 300.0)}},
     "uncertainty": {"scene": UNCERTAIN},
 }

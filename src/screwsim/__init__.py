@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         performance_map,
         plan,
         posterior,
+        sobol_indices,
         tabulate,
     )
     from screwsim.inputs.faults import Interrupted, SceneError, UsageError
@@ -65,6 +66,7 @@ __all__ = [
     "schema",
     "sensitivities",
     "simulate",
+    "sobol_indices",
     "sweep",
     "tabulate",
     "uncertainty",
@@ -94,6 +96,7 @@ _HOMES = {
     "schema": "screwsim.scene",
     "sensitivities": "screwsim.study.uncertainty.point",
     "simulate": "screwsim.study.uncertainty.point",
+    "sobol_indices": "screwsim.api",
     "sweep": "screwsim.study.sweep",
     "tabulate": "screwsim.api",
     "uncertainty": "screwsim.study.uncertainty.point",

@@ -29,8 +29,9 @@ from screwsim.inputs.arguments import (
 from screwsim.inputs.faults import UsageError
 from screwsim.report.datasheet import check_sheet, write_sheet
 from screwsim.results import Results, open_results
-from screwsim.scene import SceneLike
+from screwsim.scene import SceneLike, without_sweep
 from screwsim.study import compare as _compare
+from screwsim.study.asked.spans import read_ranges
 from screwsim.study.best import optimum as _optimum
 from screwsim.study.calibration import calibrate as _calibrate
 from screwsim.study.calibration import read_fit
@@ -48,6 +49,8 @@ from screwsim.study.maps import performance_map as _map
 from screwsim.study.pool.progress import Progress, progress_of
 from screwsim.study.stages import scene_or_stages
 from screwsim.study.sweep import run_sweep
+from screwsim.study.uncertainty.sobol import Sensitivity
+from screwsim.study.uncertainty.sobol import sensitivity as _indices
 
 ResultsLike = Results | str | os.PathLike[str]
 
@@ -117,6 +120,33 @@ def datasheet(
     if output is not None:
         write_sheet(found, Path(output))
     return found
+
+
+@checked_arguments(
+    ranges=TEXTS, figures=TEXTS, samples=whole(2, "too few samples (pass a power of two)"), seed=whole(0, "below 0")
+)
+def sobol_indices(
+    scene: SceneLike,
+    ranges: Sequence[str],
+    figures: Sequence[str] = (),
+    *,
+    samples: int | None = None,
+    seed: int = 1,
+    jobs: int | None = None,
+    progress: Progress | bool | None = None,
+) -> Sensitivity:
+    """Return the Sobol indices of figures to inputs that vary over ranges (`screwsim sensitivity --path`).
+
+        found = screwsim.sobol_indices("point.yaml", ["oil_supply.ratio=0.3..3", "oil.viscosity=10 mPa s..30 mPa s"])
+        found.to_pandas()
+
+    The default figures are the efficiency that the command uses and the gas mass flow. It takes samples · (inputs + 2)
+    solutions, 256 samples (32 of one input) by default.
+    """
+    at = without_sweep(scene_or_stages(scene))
+    spans = read_ranges(at, as_list(ranges), "ranges")
+    shown = progress_of("sensitivity", progress)
+    return _indices(at, spans, as_list(figures), samples=samples, seed=seed, jobs=jobs, progress=shown)
 
 
 @checked_arguments()

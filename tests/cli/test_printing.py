@@ -87,7 +87,7 @@ def test_the_essentials_name_every_change_of_the_command_line(capsys):
     changed = ["with gas.fluid=R410A", *(f"with operation.{side}_temperature=35 degC" for side in ("a", "b", "c"))]
     print_short("a title", Result("ok"), changed)
     shown = " ".join(capsys.readouterr().out.split())
-    assert f"a title {', '.join(changed)} status: ok" in shown
+    assert f"a title, changed {', '.join(changed)} status: ok" in shown
 
 
 def test_the_essentials_of_a_package_have_its_outlet_absolute_and_gauge(capsys):

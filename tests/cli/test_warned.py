@@ -36,7 +36,7 @@ def test_run_says_of_a_machine_that_sucks_nothing_so_in_its_first_line(capsys):
 def test_the_first_line_of_run_tells_a_figure_that_no_machine_has(capsys):
     exit_code(["run", PLAIN, "--set", "operation.speed=60 rpm"])
     assert capsys.readouterr().out.splitlines()[0] == (
-        "R134a, 2/45 °C, plain: physically impossible: volumetric efficiency -168.56 %"
+        "R134a, 2/45 °C, plain, changed: physically impossible: volumetric efficiency -168.56 %"
     )
     exit_code(["run", PLAIN])
     assert capsys.readouterr().out.splitlines()[0] == "R134a, 2/45 °C, plain"
@@ -48,7 +48,7 @@ def test_the_first_line_of_run_tells_gas_hotter_than_a_machine_stands(capsys):
     assert result.status == "ok" and result.impossible == ("discharge_temperature",)
     exit_code(["run", PAPER, *(part for each in hot for part in ("--set", each))])
     title, _, status = capsys.readouterr().out.splitlines()[:3]
-    assert "oil from an independent pump: physically impossible: discharge temperature " in title
+    assert "oil from an independent pump, changed: physically impossible: discharge temperature " in title
     assert status.startswith("status: ok, with ")
 
 

@@ -27,8 +27,9 @@ def outcome(tmp_path_factory):
 
 def test_every_piece_runs(outcome):
     names, folder = outcome
-    assert len(PIECES) == 4 and (folder / "both.png").stat().st_size > 10_000
+    assert len(PIECES) == 5 and (folder / "both.png").stat().st_size > 10_000
     assert names["gain"] > 1.0
+    assert len(names["rows"]) == 3 and (names["rows"]["expanded"] > 0.0).all()
 
 
 def test_sweep_table_and_optimum_agree(outcome):

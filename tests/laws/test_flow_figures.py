@@ -4,7 +4,9 @@ import effects_space
 import pytest
 from scenes import closed
 
+from screwsim.evaluate import evaluation
 from screwsim.evaluate.evaluation import Evaluation, evaluate
+from screwsim.evaluate.performance import NONE_DELIVERED
 from screwsim.figures.errors import flow_errors, relative_errors
 from screwsim.model.slots import SUCTION_IN
 
@@ -25,3 +27,12 @@ def test_figures_that_follow_the_net_flow_err_as_it_does(structure):
     for name, size in moved.items():
         if size is not None and size > FOLLOWS * MORE:
             assert told.get(name, 0.0) > 0.9 * size, name
+
+
+def test_no_ratio_refers_to_the_rounding_that_a_shut_valve_lets_in(monkeypatch):
+    problem, _, cycle = closed(effects_space.scene_of("economizer and liquid", 703, SCENES["economizer and liquid"]))
+    ratio = evaluate(problem, cycle).figures.economizer_flow_ratio
+    monkeypatch.setattr(evaluation, "_shut", lambda problem, turn: True)
+    figures, reasons = evaluate(problem, cycle).read
+    assert ratio is not None and figures.gas_mass_flow == 0.0
+    assert figures.economizer_flow_ratio is None and reasons["economizer_flow_ratio"] == NONE_DELIVERED

@@ -30,7 +30,7 @@ SIZES = {"N_FLOWS", "N_FILMS"}
 PIECES = {"dense", "context.d_old"}  # of a dense output: the four pieces of a step have numbers
 BY_NUMBER = {"path_area", "path_opening", "line_pulse", "heat_part", "wall_conductance", "state_rate"}
 BY_NUMBER |= {"gap_share", "gap_film", "gap_drag", "stop_push", "push_on"}  # chosen by a number, for Python
-READING = {"trace__areas_along", "line_flow__line_pulses"}  # what Python has along angles
+READING = {"trace__areas_along", "trace__heats_along", "line_flow__line_pulses"}  # what Python has along angles
 
 
 @cache

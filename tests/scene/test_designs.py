@@ -87,6 +87,16 @@ def test_an_axis_is_read_from_a_column_of_a_csv_file(example, tmp_path):
     assert loads(side_by_side.text).sweep == side_by_side.sweep  # the text needs the file no more
 
 
+def test_a_column_of_shares_may_be_in_percent(tmp_path, pytestconfig):
+    (tmp_path / "weather.csv").write_text("T,RH\n10,80\n35,60.5\n")
+    moist = (pytestconfig.rootpath / "configs" / "air" / "moist.yaml").read_text(encoding="utf-8")
+    column = "{{gas.relative_humidity: {{file: weather.csv, column: RH{}}}}}"
+    scene = swept(moist, column.format(', unit: "%"'), tmp_path)
+    assert scene.sweep["gas.relative_humidity"] == pytest.approx((0.8, 0.605), rel=1e-15)
+    with pytest.raises(SceneError, match=r"80 % is 0\.8\) or name the unit of the column, e\.g\. unit: '%'"):
+        swept(moist, column.format(""), tmp_path)
+
+
 def test_a_part_of_a_sweep_keeps_what_varies_together(example):
     scene = swept(example, "{zip: [{oil_supply.ratio: [1, 2], machine.male_lobes: [3, 4]}], operation.speed: [1 rpm]}")
     one = with_sweep_over(scene, ["machine.male_lobes", "operation.speed"])

@@ -78,6 +78,17 @@ def test_columns_may_come_in_any_order_and_unit(tmp_path):
         assert read_profile(str(tmp_path / "loads.csv"))[0].flow == pytest.approx(658.4 * 0.3048**3 / 60.0)
 
 
+def test_flows_in_percent_are_shares_of_the_packages_own_full_flow(tmp_path):
+    package = rated(point(FULL, 80e3), unloaded=20e3)
+    (tmp_path / "loads.csv").write_text("flow [%], hours\n100, 10\n50, 20\n0, 5\n", encoding="utf-8")
+    stated = year(package, read_profile(str(tmp_path / "loads.csv")))
+    flows = (Demand(FULL, 10.0), Demand(0.5 * FULL, 20.0), Demand(0.0, 5.0))
+    assert stated == year(package, flows)
+    (tmp_path / "loads.csv").write_text("flow [%], hours\nfull, 10\n", encoding="utf-8")
+    with pytest.raises(UsageError, match=r"loads\.csv line 2: flow: 'full' is not a number"):
+        read_profile(str(tmp_path / "loads.csv"))
+
+
 def test_no_other_machine_has_a_profile(pytestconfig):
     from screwsim import load
 

@@ -19,7 +19,7 @@ from fit_fakes import (
 )
 from scipy.optimize import lsq_linear
 
-from screwsim.inputs.faults import Interrupted
+from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.printing.calibration import _changes, print_calibration
 from screwsim.scene import load
 from screwsim.study.calibration import calibrate, read_fit
@@ -57,6 +57,25 @@ def test_a_linear_fit_is_that_of_linear_algebra(fit):
     left = (POWER - SLOPES @ x) / SIGMA
     assert found.chi_squared == pytest.approx(float(left @ left), rel=1e-4)
     assert found.freedom == 1
+
+
+def test_tables_of_a_fit_have_its_numbers_in_si(fit):
+    found = calibrate(fit, jobs=1, simulate=plane)
+    points, parameters = found.to_pandas(), found.to_pandas("parameters")
+    fitted = points[points.use == "fit"]
+    assert float((fitted.residual**2).sum()) == pytest.approx(found.chi_squared)
+    assert ((points.computed - points.measured) / points.uncertainty).to_numpy() == pytest.approx(
+        points.residual.to_numpy()
+    )
+    assert list(fitted.measured) == pytest.approx(list(POWER * 1e3))  # of kW
+    x, covariance = exact()
+    left = (POWER - SLOPES @ x) / SIGMA
+    scale = max(1.0, float(np.sqrt(left @ left)))  # of one degree of freedom
+    assert dict(zip(parameters.parameter, parameters.units, strict=True)) == {GAP: "m", CAPACITY: "J/(kg K)"}
+    expected = scale * np.sqrt(np.diag(covariance)) * (1e-5, 1e3)
+    assert parameters.error.to_numpy() == pytest.approx(expected, rel=1e-3)
+    with pytest.raises(UsageError, match=r"^table: 'starts' is not one of points, parameters$"):
+        found.to_pandas("starts")
 
 
 @pytest.mark.parametrize("sure", [1e3, 1e6])

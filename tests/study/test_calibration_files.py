@@ -248,6 +248,14 @@ def test_conditions_that_do_not_fit_are_located(tmp_path):
     assert all(line.startswith("points.csv:4:1: ") for line in found)
 
 
+def test_a_fault_of_all_points_is_told_once(tmp_path):
+    points = POINTS.replace("operation.speed [rpm]", "operation.tip_speed [m/s]")
+    points = re.sub(r"\b([1-4])000\b", r"\g<1>0", points)
+    (line,) = faults(tmp_path, points=points)
+    assert line.startswith("points.csv:3:1: operation.tip_speed: is given as well as operation.speed")
+    assert line.endswith("; the same at 3 other points")
+
+
 def test_a_missing_fit_is_one_line(tmp_path):
     with pytest.raises(SceneError, match=r"nowhere\.fit\.yaml:1:1: .*cannot be read"):
         read_fit(tmp_path / "nowhere.fit.yaml")

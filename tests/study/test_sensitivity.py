@@ -7,6 +7,7 @@ from each_row import each_row
 from result_fakes import SCENE
 from study_fakes import gappy, ishigami, noisy
 
+import screwsim
 from screwsim.inputs.faults import UsageError
 from screwsim.scene import loads
 from screwsim.study.asked.spans import read_ranges
@@ -55,6 +56,18 @@ def test_known_indices_lie_within_the_confidence(found):
         assert abs(index.first - first) <= 2.0 * index.first_confidence + 1e-12
         assert abs(index.total - total) <= 2.0 * index.total_confidence + 1e-12
         assert index.total_confidence < 0.1
+
+
+def test_python_gives_the_same_indices_as_a_table(monkeypatch, found):
+    monkeypatch.setattr("screwsim.study.uncertainty.sobol.simulator", lambda warm=None: ishigami)
+    same = screwsim.sobol_indices(SCENE, RANGES, BOTH, samples=1024, jobs=1)
+    assert same == found
+    frame = same.to_pandas()
+    row = frame.loc["isothermal_efficiency", "machine.rotor_diameter"]
+    assert (row.first_order, row.total_confidence) == found.shares[0].indices[0][1:5:3]
+    assert len(frame) == len(RANGES) and "shaft_power: does not vary" in repr(same)
+    with pytest.raises(UsageError, match=r"oil_supply\.ratio: is not PATH=LOW\.\.HIGH"):
+        screwsim.sobol_indices(SCENE, ["oil_supply.ratio"])
 
 
 def test_what_does_nothing_has_no_share(found):

@@ -37,7 +37,7 @@ def fahrenheit(T):
 
 def near(cell, value, step):
     """Tell whether a cell, of numbers in steps of `step`, shows a value."""
-    return abs(float(cell.rstrip("*\u00a0")) - value) <= 0.51 * step
+    return abs(float(cell.rstrip("*†‡\u00a0")) - value) <= 0.51 * step
 
 
 def table(sheet, title):

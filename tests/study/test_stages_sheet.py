@@ -96,7 +96,7 @@ def table(sheet, title):
 
 
 def number(cell):
-    return float(cell.strip("*\u00a0 %"))
+    return float(cell.strip("*†‡\u00a0 %"))
 
 
 def test_a_cell_is_that_of_a_run_with_these_temperatures(plant, rated):
@@ -325,7 +325,7 @@ def test_speeds_of_a_package_are_those_that_motors_on_the_mains_reach(package, m
     slow, failed = replace(found, stages=(low, found.stages[1])), ChainResult("failed", "no result")
     for one, rpm in ((slow, (2910.0, 1200.0)), (failed, (3000.0, 1200.0))):
         monkeypatch.setattr(stages_air, "_rated", lambda *_, one=one: ([set_at], [one]))
-        sheet = stages_air.air_stages_sheet(chain, demands=(), jobs=1, progress=None, units=METRIC)
+        sheet = stages_air.air_stages_sheet(chain, (), receiver=None, jobs=1, progress=None, units=METRIC)
         assert table(sheet, "Points").rows[0][:2] == [f"{each:.0f}" for each in rpm]
         point = sheet.document["points"][0]
         assert (point["first_speed"] / RPM, point["second_speed"] / RPM) == pytest.approx(rpm)

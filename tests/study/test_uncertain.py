@@ -107,3 +107,12 @@ def test_a_sample_has_the_moments_that_the_tolerances_state():
 def test_a_scene_without_tolerances_is_refused_in_one_line():
     with pytest.raises(UsageError, match="no input has a tolerance"):
         uncertainty(screwsim.load(POINT))
+
+
+def test_the_table_of_uncertainties_has_those_of_the_document():
+    found = uncertainty(screwsim.load(POINT.parent / "uncertain.yaml"))
+    table, document = found.to_pandas(), found.as_json()["figures"]
+    assert list(table.index) == list(document)
+    assert table.expanded.to_dict() == {name: each["expanded"] for name, each in document.items()}
+    assert table.value["shaft_power"] == found.slopes.result.performance.shaft_power
+    assert (table.units["shaft_power"], table.units["isothermal_efficiency"]) == ("W", "1")

@@ -91,7 +91,7 @@ def test_exact_cases_hold_to_their_tolerance(compare_of):
     assert [row.quantity for row in found if row.verdict != "holds"] == []
 
 
-@pytest.mark.parametrize("name", ["plain.py", "cylinder.py", "chamber.py"])
+@pytest.mark.parametrize("name", ["plain.py", "cylinder.py", "chamber.py", "flooded.py"])
 def test_plain_equations_import_nothing_of_the_package(name):
     tree = ast.parse((VALIDATION / "plain" / name).read_text(encoding="utf-8"))
     modules = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
@@ -163,6 +163,27 @@ def test_a_chamber_of_plain_equations_solved_now_is_that_of_the_package(compare_
     module = compare_of("plain")
     for point in module.chamber_points(VALIDATION / "plain"):
         assert module.compared(point, module.chamber_figures(load(*point.asked))).ours <= module.TOLERANCE
+
+
+def test_a_flooded_screw_of_plain_equations_agrees_with_the_package_to_1e_6(compare_of):
+    """The package is run now, the plain equations are as stored: each point takes them a minute."""
+    module = compare_of("plain")
+    stored = [row for row in rows("plain") if row["quantity"].startswith("flooded")]
+    points = module.flooded_points(VALIDATION / "plain")
+    assert len(stored) == len(points) == 2
+    for point, row in zip(points, stored, strict=True):
+        there = float(row["note"].split()[-2])  # of the plain equations, to eight digits
+        assert row["quantity"].startswith(f"{point.name}: ") and row["ours"] <= module.TOLERANCE
+        ours = dict(module.solved(*point.asked).performance)
+        assert ours["isothermal_efficiency"] == pytest.approx(there, rel=1e-6)
+
+
+@pytest.mark.around
+def test_a_flooded_screw_of_plain_equations_solved_now_is_that_of_the_package(compare_of):
+    module = compare_of("plain")
+    for point in module.flooded_points(VALIDATION / "plain"):
+        theirs = module.flooded_figures(VALIDATION / "plain", load(*point.asked))
+        assert module.compared(point, theirs).ours <= module.TOLERANCE
 
 
 @pytest.mark.around

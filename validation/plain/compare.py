@@ -1,4 +1,4 @@
-"""The package against plain.py, cylinder.py and chamber.py, the equations written a second time."""
+"""The package against plain.py, chamber.py, flooded.py and cylinder.py, the equations written a second time."""
 
 from __future__ import annotations
 
@@ -60,14 +60,15 @@ SHOWN = ("isothermal_efficiency", "volumetric_efficiency", "isentropic_efficienc
 TITLE = "Package against the equations in plain Python"
 CITATION = (
     "validation/plain/plain.py: equations of Chernov et al. 2015, docs/model.md, chamber.py: the same of "
-    "a real fluid, and cylinder.py: docs/reference/slider-crank.md, integrated by scipy's LSODA"
+    "a real fluid, flooded.py: of oil and gaps, and cylinder.py: docs/reference/slider-crank.md, integrated by scipy's "
+    "LSODA"
 )
 ABOUT = (
-    "plain.py, chamber.py and cylinder.py share no line with the package, but the numbers of the scene, k and R of an "
-    "ideal gas; a real fluid is CoolProp's in one phase and at saturation, to whose equations the package's are held "
-    "elsewhere, and what both phases make of it is written again. All have the stated width of the root near equal "
-    "pressures. All figures of the paper's machine, of a tight chamber on R134a and of a cylinder of air are compared; "
-    "the one that differs most is shown."
+    "plain.py, chamber.py, flooded.py and cylinder.py share no line with the package, but the numbers of the scene, k "
+    "and R of an ideal gas; a real fluid is CoolProp's in one phase and at saturation, to whose equations the "
+    "package's are held elsewhere, and what both phases make of it is written again. All have the stated width of the "
+    "root near equal pressures. Figures of the paper's machine, of a tight chamber on R134a, of a flooded machine "
+    "with models of gaps and of a cylinder of air are compared; the one that differs most is shown."
 )
 
 
@@ -242,6 +243,18 @@ def chamber_points(here: Path) -> list[Point]:
     return [Point(name, (scene_file, changes)) for name, changes in every.items()]
 
 
+def flooded_points(here: Path) -> list[Point]:
+    """Return the points of a flooded machine."""
+    scenes = sibling(here / "flooded_scenes.py")
+    scene_file = here.parents[1] / "configs" / "paper" / "point.yaml"
+    return [Point(f"flooded, {name}", (scene_file, (*changes, *TIGHT))) for name, changes in scenes.FLOODED.items()]
+
+
+def flooded_figures(here: Path, scene: Scene) -> dict[str, float]:
+    """Return the figures of flooded.py."""
+    return sibling(here / "flooded.py").figures(sibling(here / "flooded_scenes.py").machine_of(scene))
+
+
 def compared(point: Point, theirs: dict[str, float]) -> Row:
     """Return the row of the figure that differs most."""
     name, ours = point.name, dict(solved(*point.asked).performance)
@@ -282,4 +295,5 @@ def compare(here: Path) -> Comparison:
     rows += [kept_row(*every[1].asked, theirs[1], accuracy) for accuracy in ACCURACIES]
     rows += [compared(each, cylinder_figures(cylinder_of(load(*each.asked)))) for each in cylinder_points(here)]
     rows += [compared(each, chamber_figures(load(*each.asked))) for each in chamber_points(here)]
+    rows += [compared(each, flooded_figures(here, load(*each.asked))) for each in flooded_points(here)]
     return Comparison(TITLE, CITATION, ABOUT, rows)

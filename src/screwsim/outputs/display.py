@@ -9,6 +9,7 @@ from html import escape
 from typing import Any, NamedTuple, TypeVar
 
 from screwsim.outputs.customary import digits, printed_celsius, scale
+from screwsim.outputs.declared import DIFFERENCE
 
 Key = TypeVar("Key")
 Member = TypeVar("Member")
@@ -49,7 +50,7 @@ class Value(float):
     def __repr__(self) -> str:
         about = self._about._replace(value=float(self))
         usual = customary(about)
-        number = f"{float(self)!r} {si_unit(self.units)}".rstrip()
+        number = f"{float(self)!r} {_printed_unit(self.units)}".rstrip()
         return f"{number} ({usual}), {self.long_name}" if usual else f"{number}, {self.long_name}"
 
     def __str__(self) -> str:
@@ -149,6 +150,11 @@ def value_text(figure: ShownFigure) -> str:
     return customary(figure) or _value(figure)
 
 
+def _printed_unit(units: str) -> str:
+    """Return a unit as people write it, also that of a temperature difference."""
+    return "K" if units == DIFFERENCE else si_unit(units)
+
+
 def si_unit(units: str) -> str:
     """Return a unit in CF style as people write it: 'kg s-1' gives kg/s, '1' an empty text."""
     if units == "1":
@@ -177,7 +183,7 @@ def customary(figure: ShownFigure) -> str:
     if figure.units == "K":
         return f"{printed_celsius(figure.value)} °C"
     factor, unit = scale(figure.shown or figure.units, abs(figure.value))
-    return "" if unit in (figure.units, si_unit(figure.units)) else f"{digits(factor * figure.value)} {unit}"
+    return "" if unit in (figure.units, _printed_unit(figure.units)) else f"{digits(factor * figure.value)} {unit}"
 
 
 def table_text(figures: Sequence[ShownFigure]) -> str:
@@ -188,7 +194,7 @@ def table_text(figures: Sequence[ShownFigure]) -> str:
 def _value(figure: ShownFigure) -> str:
     if figure.value is None or isinstance(figure.value, str):
         return figure.value or "none"
-    return f"{figure.value:.6g} {si_unit(figure.units)}".rstrip()
+    return f"{figure.value:.6g} {_printed_unit(figure.units)}".rstrip()
 
 
 def table_html(heading: str, notes: Iterable[str], figures: Sequence[ShownFigure]) -> str:

@@ -16,6 +16,19 @@ from screwsim.outputs.figures import Balance, Error, Figures, Ledger, Numerics, 
 from screwsim.outputs.variables import cycle_variable
 
 
+class NoUncertainty(dict[str, Any]):
+    """An empty mapping that says how to find uncertainties, which `simulate` does not."""
+
+    remedy = "simulate finds no uncertainties by tolerances (screwsim.uncertainty(scene) does)"
+
+    def __missing__(self, key: str) -> Any:
+        """Raise KeyError with the remedy."""
+        raise KeyError(f"{key}: {self.remedy}")
+
+    def __repr__(self) -> str:
+        return f"none: {self.remedy}"
+
+
 @dataclass(frozen=True, eq=False)
 class Result:
     """One simulated operating point, all in SI units; what `simulate` returns.
@@ -44,7 +57,7 @@ class Result:
     cycle: Mapping[str, np.ndarray] = field(default_factory=dict)
     ledger: Figures = field(default_factory=Figures)  # empty without the cycle
     knock_out: tuple[Figures, ...] = ()  # changes by leaving out each effect, where requested
-    uncertainty: Mapping[str, Any] = field(default_factory=dict)  # from the inputs, where the scene gives tolerances
+    uncertainty: Mapping[str, Any] = field(default_factory=NoUncertainty)  # from the inputs, where they are asked for
     impossible: tuple[str, ...] = ()
     derivatives: Derivatives = field(default_factory=Derivatives, compare=False, repr=False)
 

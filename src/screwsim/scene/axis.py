@@ -175,7 +175,8 @@ def _cells(name: str, label: str, column: str) -> list[tuple[int, str]]:
 
 
 def _cell(leaf: Leaf, text: str, unit: str | None, where: str) -> Any:
-    if unit and leaf.dimension is None:
+    percent = unit == "%" and leaf.kind == "number"
+    if unit and leaf.dimension is None and not percent:
         raise Refused(f"has no unit, but unit: {shown(unit)} is given (remove unit)")
     odd = odd_number(text) if unit else None
     if odd is not None:
@@ -185,9 +186,12 @@ def _cell(leaf: Leaf, text: str, unit: str | None, where: str) -> Any:
             return listed_fluid(text)
         if leaf.dimension is not None:
             return convert(leaf, f"{text} {unit}" if unit else text)
-        return convert(leaf, text if leaf.kind == "choice" else _number_or_text(text))
+        value = text if leaf.kind == "choice" else _number_or_text(text)
+        return convert(leaf, 0.01 * value if percent and isinstance(value, int | float) else value)
     except Refused as refusal:
-        hint = " or name the unit of the column, e.g. unit: rpm" if leaf.dimension is not None and not unit else ""
+        share = leaf.kind == "number" and 1 in (leaf.limits.get("le"), leaf.limits.get("lt"))
+        example = "rpm" if leaf.dimension is not None else "'%'" if share else ""
+        hint = f" or name the unit of the column, e.g. unit: {example}" if example and not unit else ""
         raise Refused(f"{where}: {refusal}{hint}") from None
 
 

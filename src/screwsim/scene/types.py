@@ -159,7 +159,7 @@ class OilSupply:
         "d: oil-to-gas mass ratio in the chamber at 360 deg (pump; expander: in the gas that comes in)",
         None,
         ge=0.0,
-        hardly=(None, 100.0),
+        hardly=(None, 1000.0),
     )
     discharge_temperature: float | None = oil_temperature(
         "temperature of gas and oil after the discharge port, for which the oil flow is found (M370), in place of ratio"

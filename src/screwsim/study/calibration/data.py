@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -11,10 +11,12 @@ from screwsim.fluid import constants
 from screwsim.inputs.declare import Kind
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import BadSheet, Row, Sheet, name_and_unit, read_sheet
+from screwsim.inputs.suggestions import counted
 from screwsim.inputs.textfiles import Unreadable
 from screwsim.outputs import Figure
 from screwsim.outputs.customary import ZERO_CELSIUS, in_celsius
-from screwsim.scene import Scene, leaf_of, lines
+from screwsim.outputs.display import grouped
+from screwsim.scene import Scene, cross_check, leaf_of, lines
 from screwsim.scene.fields import Leaf, leaves_of, unknown_key
 from screwsim.scene.numerals import odd_number, odd_number_text
 from screwsim.scene.tolerances import COVERAGE_FACTOR, split_coverage
@@ -99,6 +101,14 @@ def read_points(
     if not problems:
         problems += [LocatedFault(at, name, what) for point, at in found for name, what in _too_cold(point, scene)]
     return found
+
+
+def point_faults(points: Iterable[tuple[Scene, Position]]) -> Iterator[LocatedFault]:
+    """Yield faults of the scenes of points, that of several points once, at the first."""
+    every = grouped(((fault.path, fault.what), place) for scene, place in points for fault in cross_check(scene))
+    for (path, what), (place, *others) in every.items():
+        more = f"; the same at {counted(len(others), 'other point')}" if others else ""
+        yield LocatedFault(place, path, what + more)
 
 
 def _read(

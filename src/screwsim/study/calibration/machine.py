@@ -13,9 +13,9 @@ from screwsim.inputs.declare import FoundWithCycle
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.outputs.display import grouped
-from screwsim.scene import Scene, cross_check, value_at, with_values
-from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
-from screwsim.study.calibration.data import read_points
+from screwsim.scene import Scene, value_at, with_values
+from screwsim.scene.yaml_tree import LocatedFaults, Position
+from screwsim.study.calibration.data import point_faults, read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Point
 from screwsim.study.calibration.residuals import Array, Simulate
 from screwsim.study.pool.solving import simulator
@@ -133,8 +133,7 @@ def points_of(fit: Fit, file: str | os.PathLike[str], option: str, what: str) ->
     problems = LocatedFaults()
     name, values = os.fspath(file), fit.first_start()
     rows = read_points(name, name, fit.scene, list(fit.changes(values)), problems, candidates=True)
-    for point, place in rows:
-        problems += [LocatedFault(place, fault.path, fault.what) for fault in cross_check(fit.at(point, values))]
+    problems += point_faults((fit.at(point, values), place) for point, place in rows)
     if not rows and not problems:
         problems.add(Position(1, name), "", f"has no {what}")
     if problems:

@@ -8,7 +8,7 @@ from typing import Any
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
-from screwsim.scene import Scene, cross_check, leaf_of, load, without_sweep
+from screwsim.scene import Scene, leaf_of, load, without_sweep
 from screwsim.scene.axis import SPACING, read_fields
 from screwsim.scene.fields import Leaf, catalogue_leaves
 from screwsim.scene.file_kinds import other_file
@@ -17,7 +17,7 @@ from screwsim.scene.values import limits_text, shown, text_of, within
 from screwsim.scene.yaml_tree import LocatedFaults, Node, Position, compose, join
 from screwsim.study.asked.inputs import DISCRETE_KINDS, shown_range, shown_value
 from screwsim.study.asked.varied import with_accuracy
-from screwsim.study.calibration.data import read_points
+from screwsim.study.calibration.data import point_faults, read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
 
 ACCURACY = 1e-4  # of the solutions of a fit, where neither the fit nor its scene asks for a better one
@@ -249,9 +249,7 @@ def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool
     Without `fixed` one measured figure is enough.
     """
     start = fit.first_start()
-    for point, place in rows:
-        for fault in cross_check(fit.at(point, start)):
-            problems.add(place, fault.path, fault.what)
+    problems += point_faults((fit.at(point, start), place) for point, place in rows)
     data = sum(len(point.measured) for point in fit.fitted)
     priors = sum(prior_of(fit.scene, parameter) is not None for parameter in fit.parameters)
     if not data or (fixed and data + priors < len(fit.parameters)):

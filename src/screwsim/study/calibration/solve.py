@@ -10,12 +10,12 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.inputs.faults import Interrupted
+from screwsim.inputs.faults import Interrupted, UsageError
 from screwsim.inputs.suggestions import counted
-from screwsim.outputs.display import About, Brief
+from screwsim.outputs.display import About, Brief, library
 from screwsim.scene import Scene
 from screwsim.study.asked.inputs import shown_value
-from screwsim.study.asked.varied import with_text
+from screwsim.study.asked.varied import leaf_of, with_text
 from screwsim.study.calibration.descent import LEAST_GAIN, least_squares
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, TOLERANCE_REMEDY, Fit, Measurement, Point
 from screwsim.study.calibration.identifiability import Certainty, active_bounds, certainty
@@ -30,6 +30,7 @@ from screwsim.study.pool.workers import WORKER_DIED
 PROBABILITY = 0.6827  # of the joint region of the free parameters within which fits count as equally good
 MOST_STEPS = 40  # steps per round of a start
 MOST_ROUNDS = 3
+TABLES = ("points", "parameters")
 SAME_FIT = 10.0 * LEAST_GAIN  # of chi squared per residual, at least of 1: difference of ends that fit alike
 APART = 0.1  # of the bounds' distance: ends this far apart are not one minimum
 
@@ -100,12 +101,36 @@ class Calibration(Brief):
         """The fitted machine: the scene of the fit with the values found."""
         return with_text(self.fit.machine(self.values))
 
+    @property
+    def errors(self) -> dict[str, float | None]:
+        """Standard errors of the parameters [SI] by path, times `scale`; None for one at a bound."""
+        plain = [None] * len(self.values) if self.certainty is None else self.certainty.errors
+        return {path: None if one is None else one * self.scale for path, one in zip(self.values, plain, strict=True)}
+
+    def to_pandas(self, table: str = "points") -> Any:
+        """Return a pandas.DataFrame [SI]: the `points`, a row a measured figure, or the `parameters`.
+
+        `residual` is computed less measured over the standard uncertainty, `error` a standard error.
+        """
+        if table not in TABLES:
+            raise UsageError(f"table: {table!r} is not one of {', '.join(TABLES)}")
+        if table == "parameters":
+            of = {path: leaf_of(self.fit.scene, path).dimension for path in self.values}
+            units = ["1" if kind is None else kind.si for kind in of.values()]
+            rows = zip(self.values, self.values.values(), self.errors.values(), units, strict=True)
+            return library("pandas").DataFrame(rows, columns=["parameter", "value", "error", "units"])
+        points = [
+            (one.point.name, one.figure, *one.measured, one.ours, one.residual, "fit" if one.point.fitted else "check")
+            for one in self.compared
+        ]
+        columns = ["point", "figure", "measured", "uncertainty", "computed", "residual", "use"]
+        return library("pandas").DataFrame(points, columns=columns)
+
     def _about(self) -> About:
         scene, known = self.fit.scene, self.certainty
         rows = []
         for i, (path, value) in enumerate(self.values.items()):
-            plain = None if known is None else known.errors[i]
-            error = None if plain is None else plain * self.scale
+            error = self.errors[path]
             told = "not known" if error is None else f"{100.0 * error / abs(value):.2g} %" if value else f"{error:.2g}"
             border = known.border[i] if known is not None else ""
             prior = self.fit.parameters[i].prior

@@ -16,7 +16,7 @@ from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 from screwsim.numerics.pchip import Pchip
 from screwsim.outputs.customary import HOUR, MINUTE
 from screwsim.outputs.us_units import CFM, FOOT
-from screwsim.scene.units import NUMBER, parse_quantity, refused_at
+from screwsim.scene.units import NUMBER, Refused, parse_quantity, refused_at
 from screwsim.study.datasheet.air_rating import Point, Rating
 from screwsim.study.datasheet.load_unload import OPTION as RECEIVER
 from screwsim.study.datasheet.load_unload import LoadUnload, Receiver
@@ -31,10 +31,15 @@ _EXAMPLE = "a first line 'flow [m^3/min], hours', then e.g. '6.5, 2000'"
 
 
 class Demand(NamedTuple):
-    """A flow of free air [m³/s] demanded for so many hours."""
+    """A flow of free air [m³/s], or a share of the full flow, demanded for so many hours."""
 
     flow: float
     hours: float
+    of_full: bool = False
+
+    def of(self, full: float) -> "Demand":
+        """Return the demand as a flow [m³/s] on a package of a full flow [m³/s]."""
+        return Demand(self.flow * full, self.hours) if self.of_full else self
 
 
 class DemandShare(NamedTuple):
@@ -76,16 +81,25 @@ def read_profile(name: str) -> tuple[Demand, ...]:
     for row in sheet.rows:
         at, hours = f"{where} line {row.line}", row.cells[1 - flow]
         with refused_at(f"{at}: flow"):
-            asked = parse_quantity(KINDS["volume_flow"], f"{row.cells[flow]} {unit}")
+            asked = _flow_or_share(row.cells[flow], unit)
         if not re.fullmatch(NUMBER, hours) or not 0.0 <= float(hours) <= WHOLE:
             raise UsageError(f"{at}: hours {hours!r} is not a number from 0 to {WHOLE:g} (write e.g. 2000)")
         if asked < 0.0:
             raise UsageError(f"{at}: a flow of {row.cells[flow]} is below 0 (write 0 for idling)")
-        found.append(Demand(asked, float(hours)))
+        found.append(Demand(asked, float(hours), unit == "%"))
     total = sum(each.hours for each in found)
     if not 0.0 < total <= WHOLE + 24.0:
         raise UsageError(f"{where}: has {total:g} hours in all (a year has {WHOLE:g})")
     return tuple(found)
+
+
+def _flow_or_share(text: str, unit: str) -> float:
+    """Return a flow [m³/s], or a share of full flow stated in percent; raise `Refused`."""
+    if unit != "%":
+        return parse_quantity(KINDS["volume_flow"], f"{text} {unit}")
+    if not re.fullmatch(NUMBER, text):
+        raise Refused(f"{text!r} is not a number (write e.g. 75, percent of full flow)")
+    return 0.01 * float(text)
 
 
 def year(rated: Rating, demands: Sequence[Demand]) -> tuple[DemandShare, ...]:
@@ -102,7 +116,7 @@ def year(rated: Rating, demands: Sequence[Demand]) -> tuple[DemandShare, ...]:
     curve = Pchip(flows, powers) if len(points) > 1 else None
     if rated.receiver is not None and rated.control is None:
         raise UsageError(f"{RECEIVER}: the power with the inlet valve shut is not known (leave {RECEIVER} out)")
-    return tuple(_share(points, curve, idle, demand, rated.control) for demand in demands)
+    return tuple(_share(points, curve, idle, demand.of(rated.full.flow), rated.control) for demand in demands)
 
 
 def _power(point: Point) -> float:

@@ -13,6 +13,7 @@ import numpy as np
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import counted
+from screwsim.outputs.display import About, Brief, library
 from screwsim.results.warning_kinds import kinds_of
 from screwsim.scene.grid import too_many
 from screwsim.study.asked.figures import figure_of
@@ -54,8 +55,8 @@ class FigureIndices:
     message: str = ""
 
 
-@dataclass(frozen=True)
-class Sensitivity:
+@dataclass(frozen=True, repr=False)
+class Sensitivity(Brief):
     """Answer of a study: one `FigureIndices` per figure; `failed` of the `solutions` have no figures.
 
     `warnings` are the kinds of warnings of the solutions: (number of solutions, text of the first).
@@ -69,6 +70,22 @@ class Sensitivity:
     shares: tuple[FigureIndices, ...]
     message: str = ""
     warnings: tuple[tuple[int, str], ...] = ()
+
+    def _about(self) -> About:
+        heading = f"Sobol indices of {counted(len(self.shares), 'figure')} to {counted(len(self.ranges), 'input')}"
+        rows = [
+            (shares.figure, each.path, *(f"{value:.3f} ± {half:.3f}" for value, half in (each[1:3], each[3:5])))
+            for shares in self.shares
+            for each in sorted(shares.indices, key=lambda one: -one.total)
+        ]
+        told = [self.message, *(f"{each.figure}: {each.message}" for each in self.shares if each.message)]
+        return About(heading, [each for each in told if each], ("figure", "input", "first order", "total"), rows)
+
+    def to_pandas(self) -> Any:
+        """Return a pandas.DataFrame over figures and inputs: both indices, each with half its 95 % interval."""
+        rows = [(shares.figure, *each) for shares in self.shares for each in shares.indices]
+        columns = ["figure", "input", "first_order", "first_order_confidence", "total", "total_confidence"]
+        return library("pandas").DataFrame(rows, columns=columns).set_index(["figure", "input"])
 
 
 class _Answer(NamedTuple):

@@ -11,8 +11,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+from screwsim.figures import declaration
 from screwsim.figures.engineering import figure_text
-from screwsim.outputs.display import About, Brief
+from screwsim.outputs.display import About, Brief, library
 from screwsim.scene import Scene
 from screwsim.scene.types import COVERAGE, Tolerance
 from screwsim.study.asked.varied import Varied
@@ -101,6 +102,17 @@ class Uncertainty(Brief):
         heading = f"Uncertainty of {len(rows)} figures by {len(self.groups)} inputs"
         notes = [self.message] if self.message else []
         return About(heading, notes, ("figure", "value", "± (95 %)", "most by"), rows)
+
+    def to_pandas(self) -> Any:
+        """Return a pandas.DataFrame [SI] over the figures: value, standard uncertainty, half of the 95 % interval."""
+        here = self.slopes.result.performance
+        about = {name: declaration(name, here) for name in self.spreads}
+        rows = [
+            (name, here.get(name), "" if (one := about[name]) is None else one.units, each.standard, each.expanded)
+            for name, each in self.spreads.items()
+        ]
+        frame = library("pandas").DataFrame(rows, columns=["figure", "value", "units", "standard", "expanded"])
+        return frame.set_index("figure")
 
     def as_json(self, most: int | None = None) -> dict[str, Any]:
         """Return what `run --json` prints under `uncertainty`, with all or the `most` largest contributors."""
