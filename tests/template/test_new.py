@@ -908,6 +908,12 @@ def test_a_machine_that_does_not_run_is_written_and_told():
     assert assumed.startswith("assumed: ")
 
 
+def test_oil_of_a_thin_gas_is_told_as_a_plain_number():
+    text = new_scene("booster", request_of(fluid="Helium"))
+    failed = SizedMachine(text, screwsim.loads(text), Result("failed", "", performance=Figures(oil_ratio=157.3)))
+    assert "160 kg of oil per kg of gas" in list(sized_told(request_of(), failed))[1]
+
+
 def test_a_size_that_is_stated_needs_no_search():
     asked = request_of(displacement="520 m^3/h", motor="45 kW", pressure="8 bar(g)")
     assert not asked.by_sheet

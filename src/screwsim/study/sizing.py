@@ -204,7 +204,7 @@ def _assumed(asked: SceneRequest, scene: Scene, p: Figures) -> Iterator[str]:
         "clearances scaled to that size" if scene.oil is None else "clearances, shafts and bearings scaled to that size"
     )
     if ratio := p.get("oil_ratio"):
-        yield f"{ratio:.2g} kg of oil per kg of {'air' if DELIVERED in p else 'gas'}"
+        yield f"{float(f'{ratio:.2g}'):g} kg of oil per kg of {'air' if DELIVERED in p else 'gas'}"
     if DELIVERED in p:
         yield from _assumed_of_package(asked, scene)
     elif COOLS in p:
