@@ -908,6 +908,18 @@ def test_a_machine_that_does_not_run_is_written_and_told():
     assert assumed.startswith("assumed: ")
 
 
+def test_a_generator_that_takes_power_is_not_told_to_give_it():
+    asked = request_of(
+        fluid="R134a", condition="9/7 bar, 60 degC", vi=2.3
+    )  # by which its losses exceed what the shaft gives
+    found = stated_machine("expander", asked)
+    powers = found.result.performance
+    assert powers.shaft_power < 0.0 < powers.electrical_power
+    computed = next(sized_told(asked, found))
+    assert f"gives {-powers.shaft_power:.5g} W at the shaft" in computed
+    assert f", takes {powers.electrical_power:.5g} W at its generator" in computed
+
+
 def test_oil_of_a_thin_gas_is_told_as_a_plain_number():
     text = new_scene("booster", request_of(fluid="Helium"))
     failed = SizedMachine(text, screwsim.loads(text), Result("failed", "", performance=Figures(oil_ratio=157.3)))

@@ -156,7 +156,7 @@ def _computed(found: SizedMachine) -> str:
     beyond = beyond_rating(load)
     drive = "a generator" if expands else "a motor"
     carried = f"{100.0 * load:.0f} % of {drive} of {1e-3 * _rated_power(scene):g} kW{f', {beyond}' if beyond else ''}"
-    return f"computed: {gives}, {'gives' if expands else 'takes'} {_power(power)} at the shaft ({carried}), {takes}"
+    return f"computed: {gives}, {'gives' if power < 0.0 else 'takes'} {_power(power)} at the shaft ({carried}), {takes}"
 
 
 def _rated_power(scene: Scene) -> float:
@@ -247,7 +247,7 @@ def _plant_in_words(found: SizedMachine) -> tuple[str, str]:
 def _expander_in_words(found: SizedMachine) -> tuple[str, str]:
     """Return, in words, the flow of an expander, and its electrical power and efficiency."""
     p = found.result.performance
-    takes = f"{_power(p.electrical_power)} at its generator"
+    takes = f"{'takes ' if p.electrical_power > 0.0 else ''}{_power(p.electrical_power)} at its generator"
     share = f"isentropic efficiency {100.0 * p.isentropic_efficiency:.3g} %"
     return f"expands {figure_text('gas_mass_flow', p.gas_mass_flow)}", f"{takes}, {share}"
 
