@@ -92,7 +92,8 @@ def request_of(
     """Return the request; raise UsageError, in one line, for one that is impossible.
 
     `motor`, `free_air` and `pressure` are those on the sheet of an air package, the pressure that of its outlet;
-    `motor` and `free_air` also those of a booster, whose flow may be at a standard state; `capacity` is the cooling of a refrigeration machine, or the heating of a heat pump.
+    `motor` and `free_air` also those of a booster, whose flow may be at a standard state; `capacity` is the cooling of
+    a refrigeration machine, or the heating of a heat pump.
     """
     condition = _by_pressure(condition, pressure)
     _check_names(fluid, oil)
