@@ -71,6 +71,19 @@ def test_the_heat_of_a_condenser_follows_from_the_usual_outputs():
     assert m * (PropsSI("H", "T", T, "P", p_c, "R134a") - liquid) == pytest.approx(heat, rel=1e-4)
 
 
+def test_a_power_that_is_given_off_is_said_to_be(tmp_path):
+    def expands(scene) -> Result:
+        figures = dict(curve(with_values(scene, {"operation.discharge.pressure": 5e5})).performance)
+        return Result("ok", performance=Figures(figures | {"shaft_power": -figures["shaft_power"]}))
+
+    meanings = [{one.name: one.long_name for one in made(0.5, simulate=each).outputs} for each in (curve, expands)]
+    assert [each["shaft_power"] for each in meanings] == ["shaft power", "shaft power; below zero: given off"]
+    speeds = POINT.with_({"sweep.operation.speed": ["2000 rpm", "3000 rpm", "4000 rpm"]})
+    run_sweep(speeds, tmp_path / "x.h5", jobs=1, simulate=expands)
+    (power,) = [one for one in table_of(open_results(tmp_path / "x.h5")).outputs if one.name == "shaft_power"]
+    assert power.long_name.endswith("; below zero: given off")
+
+
 def test_only_what_curves_is_refined():
     table = made(1e-4)
     speeds, pressures = (len(x) for x in table.grid.nodes)

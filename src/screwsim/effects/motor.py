@@ -39,7 +39,7 @@ from screwsim.outputs import Figure, cooling_figure, efficiency, names_of, power
 
 FIGURES = (
     Figure("motor_loss", "W", "loss of motor and inverter"),
-    power_figure("electrical_power", "electrical power; below zero: given off, by an expander"),
+    power_figure("electrical_power", "electrical power"),
     efficiency("motor_efficiency", "efficiency of motor and inverter"),
     efficiency("electrical_isothermal_efficiency", "isothermal efficiency of the electrical power", by_flow=True),
     efficiency("electrical_isentropic_efficiency", "isentropic efficiency of the electrical power", by_flow=True),

@@ -109,8 +109,18 @@ def tabulated_map(
         raise UsageError(f"no map: {why}")
     how = f"largest at {checked} random points inside, simulated as a check"
     how += f" (at {open_} more no cycle closed, although it did at all surrounding nodes)" if open_ else ""
-    found = replace(table, errors=tuple(errors), checked=checked, how=how)
+    found = replace(table, outputs=_with_signs(outputs, values[sound]), errors=tuple(errors), checked=checked, how=how)
     return replace(found, cases=solve.cases, why=solve.why, warnings=kinds_of(solve.warnings))
+
+
+def _with_signs(outputs: Sequence[Figure], values: Array) -> tuple[Figure, ...]:
+    """Return the outputs; the meaning of a power that is below zero throughout `values`, as of an expander, says so."""
+    given = [output.units == "W" and bool(np.all(values[:, i] < 0.0)) for i, output in enumerate(outputs)]
+    sign = "; below zero: given off"
+    return tuple(
+        replace(each, long_name=each.long_name + sign) if less else each
+        for each, less in zip(outputs, given, strict=True)
+    )
 
 
 def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable:
@@ -141,7 +151,7 @@ def table_of(results: Results, figures: Sequence[str] | None = None) -> MapTable
     errors, checked = _errors_of_leaving_out(nodes, values, sound, outputs)
     how = f"largest at {checked} nodes when every second one of an axis is left out: for a table twice as coarse"
     how = how if checked else "unknown, as no axis has five values"
-    head = title_on_one_line(results.attributes["title"]), tuple(inputs), tuple(outputs)
+    head = title_on_one_line(results.attributes["title"]), tuple(inputs), _with_signs(outputs, values[sound])
     grid, why, warnings = grid_of(nodes, values, sound), _first_reason(results), kinds_of(warnings_of_cases(results))
     text = _documents(results.scene_yaml, {name: each.scene_yaml for name, each in results.stages.items()})
     return MapTable(*head, grid, None, text, errors, checked, how, sound.size, why, warnings)

@@ -139,7 +139,7 @@ _CORE = (
     power_figure(
         "oil_lift_power", "power to raise the oil to discharge pressure, in addition to indicated power", needs=OILED
     ),
-    power_figure("shaft_power", "shaft power; below zero: given off, by an expander"),
+    power_figure("shaft_power", "shaft power"),
     Figure("shaft_torque", "N m", "mean torque at the shaft: shaft power over speed", Scale(times="ideal")),
     Figure("discharge_temperature", "K", "flow-weighted mean gas temperature at discharge"),
     Figure("oil_discharge_temperature", "K", "flow-weighted mean oil temperature at discharge", needs=HEATED),
