@@ -211,10 +211,10 @@ def test_a_profile_file_that_keeps_its_date_is_read_again(tmp_path):
     file = tmp_path / "lobe.csv"
     file.write_text("x_mm,y_mm\n0,0\n")
     stamp = file.stat()
-    first = rotors._stamp(str(file))
+    first = rotors._digest(str(file))
     file.write_text("x_mm,y_mm\n0,1\n")
     os.utime(file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
-    assert rotors._stamp(str(file)) != first
+    assert rotors._digest(str(file)) != first
 
 
 def test_a_sweep_that_is_whole_and_the_same_is_used_again(tmp_path):
