@@ -68,7 +68,7 @@ def plot(
     results = results.showing(asked) if asked else results
     trace, index = chosen_trace(results), best_case(results) if "angle" in results.cycle else None
     if trace is None or index is None:
-        remedy = "run stores one; a sweep does with output.keep: cycle"
+        remedy = "run stores one; a sweep with output.keep: cycle those of its cases that closed"
         raise UsageError(f"{results_file}: holds no cycle to compare ({remedy})")
     points = at_angles(read, trace)
     files = drawn(results_file, folder, points, asked)

@@ -122,8 +122,8 @@ def request_of(
 
 def _standard_flow(text: str | None) -> float | None:
     """Return a flow at a standard state [mol/s], such as '2000 Nm^3/h'; None for other texts."""
-    match = re.fullmatch(rf"\s*({NUMBER})\s*(\S+)\s*", text or "")
-    unit = "" if match is None else match[2].lower().replace("^", "")
+    match = re.fullmatch(rf"\s*({NUMBER})\s*(\S.*?)\s*", text or "")
+    unit = "" if match is None else match[2].lower().replace("^", "").replace(" ", "")
     if match is None or unit not in STANDARD_FLOWS:
         return None
     if not float(match[1]) > 0.0:

@@ -1,12 +1,12 @@
 """Load and unload control of an air package with a receiver: how often it switches, and its mean power (M471)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp, inf, log
 from typing import Any, NamedTuple, Self
 
 from screwsim.effects.air_package import Unloaded
-from screwsim.inputs.declare import KINDS
+from screwsim.inputs.declare import KINDS, Kind
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import in_bar
 from screwsim.outputs.us_units import GALLON
@@ -53,8 +53,8 @@ def read_receiver(volume: str | None, band: str | None) -> Receiver | None:
             raise UsageError(f"{BAND_OPTION}: is the band of a receiver (add {OPTION}, e.g. {OPTION} '2 m^3')")
         return None
     return Receiver(
-        _above_zero(OPTION, "volume", volume),
-        BAND if band is None else _above_zero(BAND_OPTION, "pressure_difference", band),
+        _above_zero(OPTION, replace(KINDS["volume"], example="2 m^3"), volume),
+        BAND if band is None else _above_zero(BAND_OPTION, KINDS["pressure_difference"], band),
         band is None,
     )
 
@@ -71,11 +71,11 @@ def check_receiver(receiver: Receiver, inlet: float, outlet: float, unloaded: Un
         raise UsageError(f"{PATH}.separator_pressure: {what}, so nothing is vented (lower it)")
 
 
-def _above_zero(option: str, kind: str, text: str) -> float:
+def _above_zero(option: str, kind: Kind, text: str) -> float:
     with refused_at(option):
-        value = parse_quantity(KINDS[kind], text)
+        value = parse_quantity(kind, text)
     if not value > 0.0:
-        raise UsageError(f"{option}: {text!r} is not above 0 (write e.g. '{KINDS[kind].example}')")
+        raise UsageError(f"{option}: {text!r} is not above 0 (write e.g. '{kind.example}')")
     return value
 
 

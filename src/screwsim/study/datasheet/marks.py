@@ -7,7 +7,7 @@ from screwsim.outputs import Result
 from screwsim.study.datasheet.bounds import Limit, bound_words, exceeded_bounds
 from screwsim.study.datasheet.units import Units
 
-BLANK, SIGNS = "\u00a0", "*†‡§¶"
+BLANK, SIGNS = "\u00a0", "*†‡§¶#"
 
 
 @dataclass(frozen=True)
