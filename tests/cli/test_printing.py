@@ -231,6 +231,15 @@ def test_the_duty_of_a_cooler_that_a_scene_lacks_is_left_out(capsys):
         assert ("oil cooler duty" in capsys.readouterr().out) == shown
 
 
+def test_the_quality_of_gas_that_leaves_dry_is_left_out(capsys):
+    scene = load("configs/ammonia/flooded.yaml")
+    for quality, shown in ((1.0, False), (0.95, True), (0.0, True)):
+        print_result(
+            "a title", Result("ok", performance=Figures(FEW, discharge_quality=quality)), idle=idle_figures(scene)
+        )
+        assert ("discharge quality" in capsys.readouterr().out) == shown
+
+
 def test_effects_without_which_there_is_no_solution_are_told_in_one_line(capsys):
     no = {"message": "7:3: needs what is left out", **dict.fromkeys(KNOCK_OUT)}
     there = dict.fromkeys(KNOCK_OUT, 1.0)

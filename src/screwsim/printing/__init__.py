@@ -3,8 +3,9 @@
 import json
 import math
 import sys
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from screwsim.figures import declared
@@ -53,12 +54,12 @@ def print_result(
     result: Result,
     left_out: Iterable[str] = (),
     changed: Sequence[str] = (),
-    idle: Collection[str] = (),
+    idle: Mapping[str, float] = MappingProxyType({}),
 ) -> None:
     """Print a result: warnings, the table of figures and the ledger, then notes, balances and numerics.
 
     `left_out` has lines on what its scene shifts or does not simulate; `changed` lists the changes by the command line
-    to the scene named in the title; `idle` figures are left out where they are zero.
+    to the scene named in the title; figures with the value that they have in `idle` are left out.
     """
     from rich.console import Console
 
@@ -104,14 +105,14 @@ def _status_line(result: Result) -> str:
     return f"{result.status}{warned}{back}" + (f"; {result.message}" if result.message else "")
 
 
-def _table(result: Result, idle: Collection[str]) -> Any:
+def _table(result: Result, idle: Mapping[str, float]) -> Any:
     table = _right_table("figure", "value")
     table.add_column("unit", no_wrap=True)
     if result.error:
         table.add_column("error", justify="right", no_wrap=True)
     for name in _in_order(result.performance):
         value = result.performance[name]
-        if value is not None and (value or name not in idle):
+        if value is not None and value != idle.get(name):
             error = [small_number_text(result.error.get(name))] if result.error else []
             words = f"{shown_name(name)}, shaft power" if _beside_electrical(result, name) else shown_name(name)
             table.add_row(words, *engineering(declared(name, result.performance), value), *error)

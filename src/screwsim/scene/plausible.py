@@ -306,10 +306,14 @@ def moved_port_lines(scene: Scene) -> list[str]:
     return [f"{what} machine.built_in_volume_ratio: {ratio:g} (null keeps it as it is)"]
 
 
-def idle_figures(scene: Scene) -> tuple[str, ...]:
-    """Return the figures of parts that a scene does not have: the duty of an oil cooler that its separator lacks."""
+def idle_figures(scene: Scene) -> dict[str, float]:
+    """Return the values of figures that say nothing, by name.
+
+    They are the quality of what leaves as gas alone, and the duty of an oil cooler that the separator lacks.
+    """
     coolers = [active.parameters.cooler for active in scene.effects.values() if hasattr(active.parameters, "cooler")]
-    return () if any(cooler is not None for cooler in coolers) else ("oil_cooler_duty",)
+    dry = {"discharge_quality": 1.0}
+    return dry if any(cooler is not None for cooler in coolers) else {**dry, "oil_cooler_duty": 0.0}
 
 
 def leaks_in_words(scene: Scene) -> str:
