@@ -145,17 +145,22 @@ def test_a_cylinder_of_plain_equations_agrees_with_the_package_to_1e_6(compare_o
     assert module.compared(ideal, module.cylinder_figures(machine)).ours <= module.TOLERANCE
 
 
+def as_stored(module, begins, points, figure_of):
+    """Assert that the package, run now, has a figure of each point as its row stores it of the plain equations."""
+    stored = [row for row in rows("plain") if row["quantity"].startswith(begins)]
+    for point, row in zip(points, stored, strict=True):
+        there = float(row["note"].split()[-2])  # to eight digits
+        assert row["quantity"].startswith(f"{point.name}: ") and row["ours"] <= module.TOLERANCE
+        ours = dict(module.solved(*point.asked).performance)
+        assert ours[figure_of(row)] == pytest.approx(there, rel=1e-6)
+
+
 def test_a_chamber_of_plain_equations_on_a_real_fluid_agrees_with_the_package_to_1e_6(compare_of):
     """The package is run now, the plain equations are as stored: each point takes them seconds."""
     module = compare_of("plain")
-    stored = [row for row in rows("plain") if row["quantity"].startswith("tight chamber")]
     points = module.chamber_points(VALIDATION / "plain")
-    assert len(stored) == len(points) == 4
-    for point, row in zip(points, stored, strict=True):
-        words = row["note"].split()
-        name, there = "_".join(words[2:4]), float(words[-2])  # of the plain equations, to eight digits
-        assert row["quantity"].startswith(f"{point.name}: ") and row["ours"] <= module.TOLERANCE
-        assert dict(module.solved(*point.asked).performance)[name] == pytest.approx(there, rel=1e-6)
+    assert len(points) == 4
+    as_stored(module, "tight chamber", points, lambda row: "_".join(row["note"].split()[2:4]))
 
 
 @pytest.mark.around
@@ -168,14 +173,9 @@ def test_a_chamber_of_plain_equations_solved_now_is_that_of_the_package(compare_
 def test_a_flooded_screw_of_plain_equations_agrees_with_the_package_to_1e_6(compare_of):
     """The package is run now, the plain equations are as stored: each point takes them a minute."""
     module = compare_of("plain")
-    stored = [row for row in rows("plain") if row["quantity"].startswith("flooded")]
     points = module.flooded_points(VALIDATION / "plain")
-    assert len(stored) == len(points) == 2
-    for point, row in zip(points, stored, strict=True):
-        there = float(row["note"].split()[-2])  # of the plain equations, to eight digits
-        assert row["quantity"].startswith(f"{point.name}: ") and row["ours"] <= module.TOLERANCE
-        ours = dict(module.solved(*point.asked).performance)
-        assert ours["isothermal_efficiency"] == pytest.approx(there, rel=1e-6)
+    assert len(points) == 2
+    as_stored(module, "flooded", points, lambda row: "isothermal_efficiency")
 
 
 @pytest.mark.around
