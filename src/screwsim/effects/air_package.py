@@ -50,7 +50,7 @@ UNLOADED = "unloaded"
 OF_HEAT = "package_discharge_temperature", "aftercooler_duty", "package_heat"
 NO_POWER = "the package's input power is not positive"
 
-FREE_AIR = "free_air_delivered"
+FREE_AIR, INPUT_POWER = "free_air_delivered", "package_input_power"
 FIGURES = (
     Figure(
         FREE_AIR,
@@ -60,7 +60,7 @@ FIGURES = (
         by_flow=True,
         shown="m3 min-1",
     ),
-    power_figure("package_input_power", "electrical power of motor, inverter and fan"),
+    power_figure(INPUT_POWER, "electrical power of motor, inverter and fan"),
     Figure("package_specific_power", "W s m-3", "input power over free air delivered", NET_FLOW, by_flow=True),
     efficiency("package_isentropic_efficiency", "isentropic power of ISO 1217 over input power", by_flow=True),
     Figure("package_discharge_pressure", "Pa", "pressure at the package's outlet"),
@@ -221,7 +221,7 @@ def read(parameters: Parameters, known) -> Given:
     of_air = "" if known.fluid.lower() == AIR else NO_AIR.format(fluid=known.fluid)
     return {
         FREE_AIR: 0.0 if idle else flow,
-        "package_input_power": power,
+        INPUT_POWER: power,
         "package_specific_power": why or power / flow,
         "package_isentropic_efficiency": why or of_air or isentropic_power(flow, inlet, outlet) / power,
         "package_discharge_pressure": outlet,

@@ -10,8 +10,8 @@ import numpy as np
 from screwsim.figures.engineering import figure_unit, shown_name
 from screwsim.fluid.constants import gas_constant
 from screwsim.outputs import PERFORMANCE, Figure
-from screwsim.outputs.customary import RPM, ZERO_CELSIUS
-from screwsim.outputs.us_units import BTU, CFM, FOOT, GALLON, HORSEPOWER, INCH, POUND, POUND_FORCE, PSI
+from screwsim.outputs.customary import NORMAL_STATE, RPM, ZERO_CELSIUS
+from screwsim.outputs.us_units import BTU, CFM, FOOT, GALLON, HORSEPOWER, INCH, POUND, POUND_FORCE, PSI, STANDARD_STATE
 from screwsim.results import Results
 from screwsim.results.atomic import make_folder, write_csv
 from screwsim.results.fluid_name import fluid_name
@@ -79,7 +79,7 @@ IN_US = {
 }
 FLOW, DISPLACED, LAMBDA = "gas_mass_flow", "displacement_flow", "volumetric_efficiency"
 HUMIDITY = "humidity_ratio"
-STANDARD = {METRIC: (ZERO_CELSIUS, 101325.0), US: (ZERO_CELSIUS + (60.0 - 32.0) / FAHRENHEIT, 14.696 * PSI)}  # K, Pa
+STANDARD = {METRIC: NORMAL_STATE, US: STANDARD_STATE}  # K, Pa
 
 
 class CaseColumn(NamedTuple):

@@ -4,6 +4,7 @@ import math
 import re
 
 ZERO_CELSIUS = 273.15  # [K]
+NORMAL_STATE = ZERO_CELSIUS, 101325.0  # [K], [Pa] of a normal cubic metre (DIN 1343)
 RPM = math.pi / 30.0  # [rad/s]
 MINUTE, HOUR = 60.0, 3600.0  # [s]
 # SI unit -> (smallest size, factor, unit), largest size first

@@ -18,7 +18,7 @@ from screwsim.scene import Scene, loads
 from screwsim.simulate import simulate
 from screwsim.template import SceneRequest, kind_of, new_scene
 from screwsim.template.gas import INVERTER_LOSS_SHARE
-from screwsim.template.request import NORMAL, R
+from screwsim.template.request import NORMAL_DENSITY, R
 from screwsim.template.sizes import flow_text, rounded_flow, rpm
 
 DELIVERED, TAKEN = "free_air_delivered", "shaft_power"
@@ -80,12 +80,20 @@ def sized_machine(kind: str, asked: SceneRequest) -> SizedMachine:
 
 def _delivered(asked: SceneRequest, found: SizedMachine) -> float | None:
     """Return what a machine delivers: in mol/s where the flow asked for is at a standard state, else in m³/s."""
+    if found.result.status != "ok" or DELIVERED in found.result.performance:
+        return found.result.performance.get(DELIVERED)
+    return _inlet_flow(found) if asked.molar is None else _molar_flow(found)
+
+
+def _inlet_flow(found: SizedMachine) -> float:
+    """Return the volume flow [m³/s] at the inlet of a machine that runs."""
     p = found.result.performance
-    if found.result.status != "ok" or DELIVERED in p:
-        return p.get(DELIVERED)
-    if asked.molar is not None:
-        return p.gas_mass_flow * constants.gas_constant(found.scene.gas.name) / R
     return p.volumetric_efficiency * p.displacement_flow
+
+
+def _molar_flow(found: SizedMachine) -> float:
+    """Return the molar flow [mol/s] of a machine that runs."""
+    return found.result.performance.gas_mass_flow * constants.gas_constant(found.scene.gas.name) / R
 
 
 def _with_motor(kind: str, asked: SceneRequest, found: SizedMachine) -> SizedMachine:
@@ -255,9 +263,7 @@ def _expander_in_words(found: SizedMachine) -> tuple[str, str]:
 def _gas_in_words(found: SizedMachine) -> tuple[str, str]:
     """Return, in words, what a compressor of another gas delivers, and its total input."""
     p = found.result.performance
-    R_gas = constants.gas_constant(found.scene.gas.name)
-    normal = HOUR * p.gas_mass_flow * R_gas * NORMAL[0] / NORMAL[1]
-    at_inlet = HOUR * p.volumetric_efficiency * p.displacement_flow
+    normal, at_inlet = HOUR * _molar_flow(found) / NORMAL_DENSITY, HOUR * _inlet_flow(found)
     ends = f"{in_bar(p.suction_pressure)} to {in_bar(p.discharge_pressure)}"
     gives = f"delivers {HOUR * p.gas_mass_flow:.5g} kg/h, {normal:.5g} Nm³/h, {at_inlet:.5g} m³/h at its inlet, {ends}"
     takes = f"{figure_text('electrical_power', p.electrical_power)} with its motor"

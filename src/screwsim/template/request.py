@@ -10,24 +10,21 @@ from screwsim.fluid.oils import OILS
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import did_you_mean
-from screwsim.outputs.customary import HOUR, MINUTE, RPM, ZERO_CELSIUS, in_bar
-from screwsim.outputs.us_units import CFM, PSI
+from screwsim.outputs.customary import HOUR, MINUTE, NORMAL_STATE, RPM, in_bar
+from screwsim.outputs.us_units import CFM, STANDARD_STATE
 from screwsim.scene.units import NUMBER, gauge_pressures_over, is_gauge, parse_quantity, refused_at
 from screwsim.template import sizes
 
 SPEED = 2950.0 * RPM  # [rad/s] of screws
 ATMOSPHERE = 1e5  # [Pa] of a template's surroundings, as in ISO 1217
 R = 8.314462618  # [J/(mol K)], CODATA 2018
-NORMAL, STANDARD = (
-    (ZERO_CELSIUS, 101325.0),
-    (ZERO_CELSIUS + 28.0 / 1.8, 14.696 * PSI),
-)  # as on sheets of gas compressors
+NORMAL_DENSITY, STANDARD_DENSITY = (p / (R * T) for T, p in (NORMAL_STATE, STANDARD_STATE))  # [mol/m³] of an ideal gas
 # [mol/s] of gas in one of each flow at a standard state, as an ideal gas; units in lower case without blanks and ^
 STANDARD_FLOWS = {
-    **dict.fromkeys(("nm3/h", "nm³/h"), NORMAL[1] / (R * NORMAL[0]) / HOUR),
-    **dict.fromkeys(("nm3/min", "nm³/min"), NORMAL[1] / (R * NORMAL[0]) / MINUTE),
-    "scfm": STANDARD[1] / (R * STANDARD[0]) * CFM,
-    "mmscfd": STANDARD[1] / (R * STANDARD[0]) * CFM * 1e6 / (24.0 * 60.0),
+    **dict.fromkeys(("nm3/h", "nm³/h"), NORMAL_DENSITY / HOUR),
+    **dict.fromkeys(("nm3/min", "nm³/min"), NORMAL_DENSITY / MINUTE),
+    "scfm": STANDARD_DENSITY * CFM,
+    "mmscfd": STANDARD_DENSITY * CFM * 1e6 / (24.0 * 60.0),
 }
 _PAIR = re.compile(rf"\s*({NUMBER})\s*([^/,]*?)\s*/\s*({NUMBER})\s*([^,]*?)\s*(?:,\s*(.+?)\s*)?")
 

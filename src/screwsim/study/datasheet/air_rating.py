@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.effects.air_package import FREE_AIR, UNLOADED, Unloaded
+from screwsim.effects.air_package import FREE_AIR, INPUT_POWER, UNLOADED, Unloaded
 from screwsim.effects.parts.rating import STANDARDS, WEIGHTS, outside_scope, part_load_efficiency
 from screwsim.figures import rotor_speed
 from screwsim.inputs.faults import UsageError
@@ -29,7 +29,7 @@ from screwsim.study.pool.progress import Progress
 
 SPEED, STATE = "operation.speed", "effects.air_package.state"
 LOAD_TOLERANCE = 0.01  # of full flow, tolerance within which a load is met
-EFFICIENCY, POWER = "package_isentropic_efficiency", "package_input_power"
+EFFICIENCY = "package_isentropic_efficiency"
 REFERENCE_INLET = 1e5, 293.15  # Pa, K
 ELSEWHERE = "rated at an inlet other than the 1 bar and 20 °C at which data sheets are compared"
 
@@ -49,6 +49,11 @@ class Point(NamedTuple):
     def flow(self) -> float:
         """Free air delivered [m³/s]; zero where the point did not close."""
         return float(self.result.performance.get(FREE_AIR) or 0.0) if self.ok else 0.0
+
+    @property
+    def power(self) -> float:
+        """Input power [W] of a point that closed."""
+        return float(self.result.performance[INPUT_POWER])
 
     @property
     def ok(self) -> bool:
@@ -151,11 +156,10 @@ def control_of(
         return None
     least = min(good, key=lambda point: point.flow)
     if unloaded is None or shut is None or idle is None:
-        return LoadUnload(least.flow, least.result.performance[POWER], receiver.free_air(at.p_s))
+        return LoadUnload(least.flow, least.power, receiver.free_air(at.p_s))
     if not (shut.ok and idle.ok):
         return None
-    powers = (point.result.performance[POWER] for point in (shut, idle))
-    return LoadUnload.vents(receiver, at, least.result.performance, unloaded, *powers)
+    return LoadUnload.vents(receiver, at, least.result.performance, unloaded, shut.power, idle.power)
 
 
 def _rated_points(base: Scene, speeds: Sequence[float], progress: Progress) -> list[Point]:

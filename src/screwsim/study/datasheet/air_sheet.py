@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from screwsim.effects.air_package import FREE_AIR
+from screwsim.effects.air_package import FREE_AIR, INPUT_POWER
 from screwsim.effects.parts.rating import WEIGHTS
 from screwsim.outputs import Result
 from screwsim.outputs.customary import MINUTE, RPM, with_printed_units
@@ -27,12 +27,12 @@ MOTOR_INLET = 0.898e5, 313.25  # Pa at 1000 m (ISO 2533), K: what motors are rat
 BEYOND_MOTORS = "motors are rated for 1000 m (0.9 bar) and 40 °C at the most (IEC 60034-1): beyond, ask for their load"
 THIN_AIR = "conductance, approach and fan power are as stated, though thin air cools less"
 PER_HUNDRED, GRAINS = 100.0 * CFM, 7000.0  # m³/s in 100 cfm; grains in a pound
-POWER, SPECIFIC = "package_input_power", "package_specific_power"
+SPECIFIC = "package_specific_power"
 SEPARATED, COOLED, PACKAGE_VAPOUR = "condensate_flow", "aftercooler_condensate_flow", "package_vapour_flow"
 HEADS = ("rpm", "m³/min", "acfm", "% of full", "kW", "kW/ (m³/min)", "kW/ 100 acfm", "isentropic %")
 US_HEADS = ("rpm", "acfm", "% of full", "kW", "kW/ 100 acfm", "isentropic %")  # input is in kW on sheets there, too
 DOCUMENT_FIGURES = (
-    FREE_AIR, POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
+    FREE_AIR, INPUT_POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
     "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "oil_cooler_load",
     "aftercooler_duty", MIXTURE, GAS_OUT, "oil_supply_temperature",
     "humidity_ratio", "pressure_dew_point", "package_dew_point", "water_flow", SEPARATED, COOLED, PACKAGE_VAPOUR,
@@ -108,7 +108,7 @@ def point_row(point: Point, full: Point, units: Units) -> list[str]:
     share, specific = 100.0 * point.flow / full.flow if full.flow > 0.0 else 0.0, found[SPECIFIC]
     efficiency = found.get(EFFICIENCY)
     flow, part = f"{point.flow / CFM:.1f}", f"{share:.0f}" if share else ""
-    power, per_hundred = f"{found[POWER] / KW:.1f}", f"{PER_HUNDRED * specific / KW:.1f}"
+    power, per_hundred = f"{found[INPUT_POWER] / KW:.1f}", f"{PER_HUNDRED * specific / KW:.1f}"
     if units == METRIC:
         cells = [f"{MINUTE * point.flow:.2f}", flow, part, power, f"{specific / (KW * MINUTE):.2f}", per_hundred]
     else:
@@ -191,8 +191,8 @@ def _unloaded(rated: Rating) -> str:
         return "not simulated (effects.air_package.unloaded says at which pressures)"
     if not idle.ok:
         return idle.result.told
-    power = idle.result.performance[POWER]
-    share = f", {_percent(power / rated.full.result.performance[POWER])} of that at full flow" if rated.full.ok else ""
+    power = idle.power
+    share = f", {_percent(power / rated.full.power)} of that at full flow" if rated.full.ok else ""
     return f"{power / KW:.1f} kW unloaded{share}"
 
 

@@ -23,7 +23,7 @@ from screwsim.study.datasheet.load_unload import LoadUnload, Receiver
 from screwsim.study.datasheet.sheet import Table
 from screwsim.study.datasheet.units import METRIC
 
-POWER, OPTION = "package_input_power", "--profile"
+OPTION = "--profile"
 KWH, WHOLE = 3.6e6, 8760.0  # J, h
 DEMAND_TOLERANCE = 1e-3  # of full flow: excess of a demand that still counts as met
 _FLOW = re.compile(r"flow\s*\[([^\]]+)\]")
@@ -111,16 +111,12 @@ def year(rated: Rating, demands: Sequence[Demand]) -> tuple[DemandShare, ...]:
     if rated.unloaded is not None:
         if not rated.unloaded.ok:
             raise UsageError(f"{OPTION}: the power unloaded is not known ({rated.unloaded.result.told})")
-        idle = _power(rated.unloaded)
-    flows, powers = (np.array(each) for each in zip(*((at.flow, _power(at)) for at in points), strict=True))
+        idle = rated.unloaded.power
+    flows, powers = (np.array(each) for each in zip(*((at.flow, at.power) for at in points), strict=True))
     curve = Pchip(flows, powers) if len(points) > 1 else None
     if rated.receiver is not None and rated.control is None:
         raise UsageError(f"{RECEIVER}: the power with the inlet valve shut is not known (leave {RECEIVER} out)")
     return tuple(_share(points, curve, idle, demand.of(rated.full.flow), rated.control) for demand in demands)
-
-
-def _power(point: Point) -> float:
-    return float(point.result.performance[POWER])
 
 
 def _share(
@@ -132,8 +128,8 @@ def _share(
         return DemandShare(demand, given, *control.cycle(given))
     if given < least.flow:
         loaded = given / least.flow
-        return DemandShare(demand, given, loaded * _power(least) + (1.0 - loaded) * idle, loaded)
-    power = _power(most) if curve is None else float(curve(given))
+        return DemandShare(demand, given, loaded * least.power + (1.0 - loaded) * idle, loaded)
+    power = most.power if curve is None else float(curve(given))
     return DemandShare(demand, given, power, 1.0, None if control is None else 0.0)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from math import exp, inf, log
 from typing import Any, NamedTuple, Self
 
-from screwsim.effects.air_package import Unloaded
+from screwsim.effects.air_package import FREE_AIR, INPUT_POWER, Unloaded
 from screwsim.inputs.declare import KINDS, Kind
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import in_bar
@@ -106,8 +106,8 @@ class LoadUnload:
         refills = f"refilling it is not counted ({PATH}.separator_volume)"
         refills = refills if volume is None else "and refilled at the power on load"
         return cls(
-            flow=loaded["free_air_delivered"],
-            power=loaded["package_input_power"],
+            flow=loaded[FREE_AIR],
+            power=loaded[INPUT_POWER],
             stored=receiver.free_air(at.p_s),
             shut=shut,
             idle=idle,

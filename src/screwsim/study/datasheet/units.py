@@ -9,9 +9,20 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from screwsim.outputs import customary
-from screwsim.outputs.customary import HOUR, MINUTE, ZERO_CELSIUS
-from screwsim.outputs.us_units import BTU, CFM, FOOT, GALLON, HORSEPOWER, INCH, POUND, POUND_FORCE, PSI, TON
-from screwsim.scene.types import STANDARD_ATMOSPHERE
+from screwsim.outputs.customary import HOUR, MINUTE, NORMAL_STATE, ZERO_CELSIUS
+from screwsim.outputs.us_units import (
+    BTU,
+    CFM,
+    FOOT,
+    GALLON,
+    HORSEPOWER,
+    INCH,
+    POUND,
+    POUND_FORCE,
+    PSI,
+    STANDARD_STATE,
+    TON,
+)
 
 
 class Measure(NamedTuple):
@@ -80,7 +91,7 @@ METRIC = Units(
     swept=Measure(HOUR, "m³/h"),
     oil=Measure(1e3 * MINUTE, "L/min"),
     force=Measure(1e-3, "kN"),
-    standard=Standard(ZERO_CELSIUS, STANDARD_ATMOSPHERE, Measure(HOUR, "Nm³/h"), "0 °C and 1.01325 bar"),
+    standard=Standard(*NORMAL_STATE, Measure(HOUR, "Nm³/h"), "0 °C and 1.01325 bar"),
     degree="°C",
     other={},
 )
@@ -93,7 +104,7 @@ US = Units(
     swept=Measure(1.0 / CFM, "cfm"),
     oil=Measure(MINUTE / GALLON, "gpm"),
     force=Measure(1.0 / POUND_FORCE, "lbf"),
-    standard=Standard(ZERO_CELSIUS + 28.0 / 1.8, 14.696 * PSI, Measure(1.0 / CFM, "scfm"), "60 °F and 14.696 psia"),
+    standard=Standard(*STANDARD_STATE, Measure(1.0 / CFM, "scfm"), "60 °F and 14.696 psia"),
     degree="°F",
     other={
         "W": Measure(1.0 / HORSEPOWER, "hp"),

@@ -11,7 +11,7 @@ import numpy as np
 
 from screwsim.build import build_gas
 from screwsim.cycle.problem import Inlet
-from screwsim.effects.air_package import FREE_AIR
+from screwsim.effects.air_package import FREE_AIR, INPUT_POWER
 from screwsim.effects.parts.rating import isentropic_power
 from screwsim.evaluate.performance import beyond_suction_gas, efficiencies, parted
 from screwsim.fluid import constants
@@ -202,7 +202,7 @@ def _air_figures(pair: StagePair, density: float, ends: tuple[float, float]) -> 
         return {}, {}
     flow = figures[0].gas_mass_flow / density
     power = sum(each.electrical_power + (each.get("fan_power") or 0.0) for each in figures)
-    own = {FREE_AIR: flow, "package_input_power": power}
+    own = {FREE_AIR: flow, INPUT_POWER: power}
     names = ("package_specific_power", "package_isentropic_efficiency")
     if not power > 0.0:
         return {**own, **dict.fromkeys(names)}, dict.fromkeys(names, NO_INPUT_POWER)
