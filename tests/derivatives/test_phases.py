@@ -13,7 +13,6 @@ from screwsim.cycle.guess import lease_for
 from screwsim.cycle.problem import problem_of
 from screwsim.derivatives import residual
 from screwsim.derivatives.collocation import QUICK
-from screwsim.derivatives.held import phases_of
 from screwsim.derivatives.lane_rates import rates
 from screwsim.derivatives.phases import border_temperature
 from screwsim.derivatives.rate_numbers import RateNumbers
@@ -63,7 +62,7 @@ def test_a_chamber_keeps_the_phase_of_its_slice(humid):
         Y = cycle.nodes.copy()
         at = border_temperature(pitch, *Y[k, -1, [T, rho]].tolist(), pitch.numbers)
         Y[k, -1, T] = at * (1.0 + by)
-        phase = phases_of(pitch.machinery, Y[k, -1].reshape(-1, pitch.n))[chamber]
+        phase = pitch.machinery.trajectory.phases(Y[k, -1].reshape(-1, pitch.n))[chamber]
         sides.append((phase, pitch.rates.at(Y)[0][k, -1, T], rates(pitch.rates, Y)[0][k, -1, T]))
     (dry, *below), (fog, *above) = sides
     assert dry != fog

@@ -83,13 +83,6 @@ def has_phases(parts: Parts) -> bool:
     return parts.gas.phased_state is not None
 
 
-def phases_of(machinery: Machinery, y: Array) -> Array:
-    """Return the phase of the gas for states of a chamber, a row each."""
-    c, found = machinery.composition, np.empty(len(y))
-    machinery.module.trace__phases(y, c.P, c.TAB, found)
-    return found.astype(int)
-
-
 def _phases(machinery: Machinery, parts: Parts, mesh: Mesh) -> Array:
     """Return the phase of each chamber at the middle of each slice (slices, chambers)."""
     c = machinery.composition
@@ -97,7 +90,7 @@ def _phases(machinery: Machinery, parts: Parts, mesh: Mesh) -> Array:
     if has_phases(parts):
         starts = float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None]
         states = machinery.states_at((starts + mesh.middles).ravel())
-        found[:] = phases_of(machinery, states).reshape(c.chambers, -1).T
+        found[:] = machinery.trajectory.phases(states).reshape(c.chambers, -1).T
     return found
 
 

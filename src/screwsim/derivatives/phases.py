@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from screwsim.derivatives.held import has_phases, phases_of
+from screwsim.derivatives.held import has_phases
 from screwsim.derivatives.mesh import CORNER_LAYER, SHARE_BEFORE, Crossing
 from screwsim.derivatives.pitch import CollocatedPitch
 from screwsim.derivatives.rate_numbers import RateNumbers
@@ -64,13 +64,13 @@ def border_crossings(pitch: CollocatedPitch, angles: Array, states: Array) -> It
     c, life = pitch.machinery.composition, pitch.machinery.trajectory
     if not has_phases(pitch.problem.parts):
         return
-    every = phases_of(pitch.machinery, states.reshape(-1, states.shape[-1])).reshape(states.shape[:2])
+    every = life.phases(states.reshape(-1, states.shape[-1])).reshape(states.shape[:2])
     for chamber, phases in enumerate(every):
         start = float(c.P[P_PITCH]) * chamber
         for k in np.flatnonzero(np.diff(phases)).tolist():
 
             def before(angle: float, start: float = start, phase: int = phases[k]) -> bool:
-                return phases_of(pitch.machinery, life.states_at(np.array([start + angle])))[0] == phase
+                return life.phases(life.states_at(np.array([start + angle])))[0] == phase
 
             _, end = bisected(before, float(angles[k]), float(angles[k + 1]), xtol=PLACE_TOLERANCE)
             yield Crossing(_existing_edge(pitch, chamber, end), CORNER_LAYER, JUMP_WIDTH)

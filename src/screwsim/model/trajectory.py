@@ -126,7 +126,7 @@ class Trajectory(NamedTuple):
         """Return the phase of the gas, 0 where there is one only, at rows of states; of a gas that can have two."""
         c, found = self.composition, np.empty(len(states))
         self.module.trace__phases(states, c.P, c.TAB, found)
-        return found
+        return found.astype(int)
 
     def sum_until(self, angle: float, quadrature: int) -> float:
         """Return a quadrature up to an angle [rad], interpolated within a step."""
