@@ -313,7 +313,7 @@ def test_each_limit_has_a_mark_of_its_own():
     assert marks.note(results, METRIC).endswith(", † peak pressure < 5 bar") and not marks.note([None], METRIC)
     many = [Bound("shaft_power", "<", each) for each in range(8)]
     assert marks_of(many, results).note(results[:1], METRIC).count("shaft power") == 8
-    assert list(marks_of(many, results).of.values()) == ["*", "†", "‡", "§", "¶", "**", "††", "‡‡"]
+    assert list(marks_of(many, results).of.values()) == ["*", "†", "‡", "§", "¶", "#", "**", "††"]
 
 
 def test_it_prints_within_a_terminal_and_writes_a_page_and_a_pdf(sheet, tmp_path, capsys):
