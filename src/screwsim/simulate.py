@@ -177,6 +177,7 @@ def _solved(
     reach_station()
     if course is not None:
         record_in_course(course, accurate.evaluation, accurate.cycle, accurate.criteria, accurate.tightness)
+        course.keep_finer(accurate.tangents, problem.composition)
     cycle, of, errors, numerics = accurate.cycle, accurate.evaluation, accurate.errors, _numerics(machinery, accurate)
     reach_station()
     found, notes = of.read

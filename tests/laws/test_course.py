@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 from scenes import closed, make
 
+from screwsim.cycle import newton
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.surroundings import NOTHING_LEARNT, KnownSurroundings
+from screwsim.cycle.tangents import linearised
 from screwsim.cycle.trend import extrapolation_weights
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import case, load, with_values
@@ -26,6 +28,7 @@ ALONG = {
 MOST = {"oil_supply.ratio": 0.75, "operation.discharge.pressure": 0.75, "operation.speed": 1.0}  # wide steps of speed
 ACCURACY = 3e-4
 RPM = math.pi / 30.0
+CONDENSING = "operation.condensing_temperature"
 
 
 def scenes(path):
@@ -133,6 +136,25 @@ def test_oil_temperatures_and_pressure_losses_are_extrapolated_like_the_cycle(ma
     assert sum(counts[2:]) <= 0.7 * sum(from_the_last[2:])
     for one, other, scene in zip(results, others, course, strict=True):
         assert worst(relative_errors(one.performance, other.performance))[1] <= scene.numerics.accuracy
+
+
+def test_errors_along_a_course_are_estimated_by_one_linearisation_and_cover_what_figures_are_off(monkeypatch):
+    made = []
+
+    def counted(*arguments):
+        made.append(arguments)
+        return linearised(*arguments)
+
+    monkeypatch.setattr(newton, "linearised", counted)
+    chiller = load(str(CONFIGS / "r134a" / "point.yaml"))
+    points = [with_values(chiller, {CONDENSING: 273.15 + float(each)}) for each in np.linspace(40.0, 45.0, 6)]
+    course = list(simulate_many(points, trace=False))
+    assert {result.status for result in course} == {"ok"} and len(made) == 1
+    for scene, result in zip(points[1::2], course[1::2], strict=True):
+        true = simulate(with_values(scene, {"numerics.accuracy": 1e-6}), trace=False)
+        off = relative_errors(result.performance, true.performance)
+        for name, told in result.error.items():
+            assert told is None or off[name] <= max(1.5 * told, 0.05 * ACCURACY), name
 
 
 def test_surroundings_follow_an_input_that_enters_the_circuit_alone():

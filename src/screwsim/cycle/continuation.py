@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.solution import CycleSolution, Expectation, Start
 from screwsim.cycle.trend import DEPTH, DegreeRecord, extrapolation_weights
 from screwsim.model.composition import Composition
@@ -45,14 +46,29 @@ class Course:
         self._degrees = DegreeRecord()
         self._share = 1.0  # factor on a step's tolerance, as the last cycle needed it
         self._last: CycleSolution | None = None
+        self._finer: Tangents | None = None  # the linearisation of the last finer life, where one was made ...
+        self._finer_of: tuple[str, tuple[float, ...]] | None = None  # ... and of what: text and angles
         self.tightness = 1.0  # factor of the tolerances that the last scenes needed for their accuracy
 
     def forget(self) -> None:
         """Forget all cycles and what was learnt from them."""
         self._cycles.clear()
         self._degrees = DegreeRecord()
-        self._guessed, self._last = False, None
+        self._guessed, self._last, self._finer = False, None, None
         self._share = self.tightness = 1.0
+
+    def keep_finer(self, tangents: Tangents | None, c: Composition) -> None:
+        """Keep the linearisation of a life that estimated errors for the next estimates; None changes nothing."""
+        if tangents is not None:
+            self._finer, self._finer_of = tangents._replace(elsewhere=True), (c.text, _angles(c))
+
+    def finer_for(self, c: Composition) -> Tangents | None:
+        """Return that linearisation for a composition of the same text and angles; None without one."""
+        return self._finer if self._finer_of == (c.text, _angles(c)) else None
+
+    def adopt(self, other: "Course") -> None:
+        """Take over what another course has learnt beside its cycles."""
+        self.tightness, self._finer, self._finer_of = other.tightness, other._finer, other._finer_of
 
     def add(self, cycle: CycleSolution, parameters: Array, unknowns_out: Array, share: float, tightness: float) -> None:
         """Record a closed cycle with its parameters, its `unknowns_out` and the factor on its tolerances.

@@ -8,6 +8,7 @@ import numpy as np
 from screwsim.cycle.close import close, close_again, fallbacks
 from screwsim.cycle.continuation import Course
 from screwsim.cycle.feedback import set_unknowns
+from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.problem import ClosingTask, Problem
 from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution
 from screwsim.cycle.ways import way_of
@@ -52,7 +53,7 @@ class Accurate(NamedTuple):
     """A closed cycle with its evaluation, the estimated errors of its figures ({}: not estimated), and their cost.
 
     `criteria` are the last criteria, `tightness` is the factor on the tolerances with which the next scene of a course
-    starts.
+    starts, `tangents` the linearisation that the last estimate made or used (None: none).
     """
 
     cycle: CycleSolution
@@ -61,6 +62,7 @@ class Accurate(NamedTuple):
     errors: Figures
     tightness: float
     cost: Cost
+    tangents: Tangents | None = None
 
 
 def solve(
@@ -74,6 +76,7 @@ def solve(
     """
     numerics, watch = problem.scene.numerics, CostMeter(machinery)
     tightness = 1.0 if course is None else course.tightness
+    lent = None if course is None else course.finer_for(problem.composition)
     criteria = criteria_of(problem, tightness)
     if given is not None:
         machinery.put(given.trajectory)
@@ -88,7 +91,8 @@ def solve(
     for attempt in range(TRIES):
         if not cycle.closed or criteria.check or not numerics.estimates:
             break
-        errors, on = estimated_errors(of, machinery, criteria, cycle)
+        found = estimated_errors(of, machinery, criteria, cycle, lent)
+        errors, on, lent = found.errors, found.on, found.tangents or lent
         largest = worst(errors)[1]
         watch.lap(estimating=True)
         if largest <= numerics.accuracy or numerics.rtol is not None or attempt == TRIES - 1:
@@ -105,7 +109,7 @@ def solve(
         cycle, of = tighter, evaluate(problem, tighter)
     if largest < EASILY_REACHED * numerics.accuracy:
         tightness = min(1.0, LOOSER * tightness)
-    return Accurate(cycle, of, criteria, errors, max(tightness, TIGHTEST), watch.cost)
+    return Accurate(cycle, of, criteria, errors, max(tightness, TIGHTEST), watch.cost, lent)
 
 
 def criteria_of(problem: Problem, tightness: float) -> ClosingCriteria:

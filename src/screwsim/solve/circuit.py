@@ -225,7 +225,7 @@ def steady_state(problem: Problem, series: Series) -> tuple[Problem, Surrounding
     if not surroundings_follow(problem):
         return at_motor_speed(problem, series), None
     search = SurroundingsSearch(series, problem.scene.operation.speed)
-    search.course.tightness = series.course.tightness
+    search.course.adopt(series.course)
     problem = at_motor_speed(problem, series)
     known, stated = search.known, stated_numbers(problem)
     known.begin(len(unknowns_of(problem)))
@@ -279,6 +279,7 @@ def solve_with_surroundings(
         record_in_course(
             search.course, accurate.evaluation, accurate.cycle, accurate.criteria, max(tightness, TIGHTEST)
         )
+        search.course.keep_finer(accurate.tangents, accurate.evaluation.life.composition)
         other = search.posed(accurate.evaluation.problem, x + search.step(x, asked))
         if other is None:
             break

@@ -8,9 +8,12 @@ balances of a closed life are added (`solve.open_balances`).
 Source: docs/explanation/errors.md.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import pairwise
+from typing import NamedTuple
 
+from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution
 from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation
@@ -31,7 +34,6 @@ from screwsim.solve.estimate_protocol import (
 from screwsim.solve.finer_solutions import (
     LEAST_DELIVERY,
     chambers_together,
-    changes,
     closed_again,
     finer_lives,
     repeated_share,
@@ -51,22 +53,37 @@ LEAST_DELIVERY_ERROR = 0.3  # of the trapped gas's error: least error of a small
 ESTIMATES: dict[str, Estimate] = {CHAMBERS: chambers_together, LIVES: finer_lives, AGAIN: closed_again}
 
 
-def estimated_errors(
-    of: Evaluation, machinery: Machinery, criteria: ClosingCriteria, cycle: CycleSolution
-) -> tuple[Figures, CorrectedState | CycleSolution | None]:
-    """Return the estimated relative error of every figure of a closed cycle, which the machinery holds.
+class EstimatedErrors(NamedTuple):
+    """The estimated relative error of every figure of a closed cycle.
 
-    The second value is where finer lives have led, if the machinery now stands there, or the finer cycle that a
-    search closed; otherwise None.
+    `on` is where finer lives have led, if the machinery now stands there, or the finer cycle that a search closed;
+    otherwise None. `tangents` is the linearisation by which lives were moved to their limit (None: none was).
+    """
+
+    errors: Figures
+    on: CorrectedState | CycleSolution | None = None
+    tangents: Tangents | None = None
+
+
+def estimated_errors(
+    of: Evaluation,
+    machinery: Machinery,
+    criteria: ClosingCriteria,
+    cycle: CycleSolution,
+    lent: Tangents | None = None,
+) -> EstimatedErrors:
+    """Return the estimated errors of a closed cycle, which the machinery holds.
+
+    `lent` is the linearisation that the estimate of a nearby cycle used.
     """
     here = solution_of(of)
     found = here.figures
     reach_station()
     narrower = replace(criteria, widths=tuple(NARROWER * width for width in criteria.widths))
-    request = EstimateRequest(of, machinery, narrower, cycle)
+    request = EstimateRequest(of, machinery, narrower, cycle, lent)
     finer = _finer_solutions(request)
     if not finer.solutions:
-        return Figures(dict.fromkeys(found)), None
+        return EstimatedErrors(Figures(dict.fromkeys(found)))
     reach_station()
     finer_life, whole = machinery.trajectory, _whole_over_shown(request, finer)
     errors = _errors_shown(of, here, finer, hides_flow=request.filling < LEAST_DELIVERY)
@@ -86,7 +103,7 @@ def estimated_errors(
         for name, size in each.items():
             errors[name] = (errors[name] or 0.0) + (size or 0.0)
     of_squares(found, errors)
-    return errors, finer.corrected_state or finer.cycle
+    return EstimatedErrors(errors, finer.corrected_state or finer.cycle, finer.tangents)
 
 
 def _whole_over_shown(request: EstimateRequest, finer: FinerSolutions) -> float:
@@ -155,10 +172,18 @@ def _finer_solutions(request: EstimateRequest) -> FinerSolutions:
     found = NO_SOLUTIONS
     for name in ERRORS[request.problem.scene.numerics.error].by:
         finer = ESTIMATES[name](request)
+        if not finer.changes:
+            finer = finer._replace(changes=_changes(request.of, finer.solutions))
         if finer.enough:
             return finer
         found = finer if finer.solutions else found
     return found._replace(corrected_state=None)
+
+
+def _changes(of: Evaluation, finer: Sequence[Solution]) -> list[Figures]:
+    """Return the relative changes of the figures to each solution from the one before, first the closed cycle."""
+    figures = [of.figures, *(each.figures for each in finer)]
+    return [relative_errors(old, new, *of.least) for old, new in pairwise(figures)]
 
 
 def _errors_shown(of: Evaluation, here: Solution, finer: FinerSolutions, hides_flow: bool) -> Figures:
@@ -170,16 +195,17 @@ def _errors_shown(of: Evaluation, here: Solution, finer: FinerSolutions, hides_f
     Where leaks hide the net flow (`hides_flow`), that flow is a small difference which scatters from life to life: for
     it, and all figures that go with it, the largest change counts even then.
     """
-    lives, left = finer.solutions, finer.left
-    errors = _distances(of, here, lives[-1])
+    lives, left, steps = finer.solutions, finer.left, finer.changes
+    first = _with_swings(steps[0], here, lives[0])
+    errors = first if len(lives) == 1 else _distances(of, here, lives[-1])
     with_flow = {name for name, about in of.figures.about.items() if hides_flow and about.by_flow}
     for each in lives[:-1] if left is None or hides_flow else ():
-        for name, size in _distances(of, here, each).items():
+        for name, size in (first if each is lives[0] else _distances(of, here, each)).items():
             if (left is None or name in with_flow) and size is not None and errors[name] is not None:
                 errors[name] = max(errors[name], size)
     if len(lives) > 1:
-        again = min(repeated_share(changes(of, lives)) if left is None else left, LARGEST_RATIO)
-        for name, size in _distances(of, *lives[-2:]).items():
+        again = min(repeated_share(steps) if left is None else left, LARGEST_RATIO)
+        for name, size in _with_swings(steps[-1], *lives[-2:]).items():
             if size is not None and errors[name] is not None:
                 errors[name] += size * again / (1.0 - again)
     return errors
@@ -187,7 +213,12 @@ def _errors_shown(of: Evaluation, here: Solution, finer: FinerSolutions, hides_f
 
 def _distances(of: Evaluation, found: Solution, better: Solution) -> Figures:
     """Return the relative errors of the figures beside better ones; those of swings are no less than their curves'."""
-    sizes = relative_errors(found.figures, better.figures, *of.least)
+    return _with_swings(relative_errors(found.figures, better.figures, *of.least), found, better)
+
+
+def _with_swings(apart: Figures, found: Solution, better: Solution) -> Figures:
+    """Return how far the figures of two solutions are apart, those of swings no less than their curves."""
+    sizes = Figures(apart)
     for name, size in swing_errors(*found, better.curves).items():
         if sizes.get(name) is not None:
             sizes[name] = max(sizes[name], size)

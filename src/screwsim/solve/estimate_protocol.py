@@ -10,11 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from screwsim.cycle.linear_pitch import Tangents
 from screwsim.cycle.problem import Problem
 from screwsim.cycle.solution import ClosingCriteria, CorrectedState, CycleSolution
 from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.model.run import Machinery
+from screwsim.outputs import Figures
 from screwsim.solve.swings import Solution
 
 Array = np.ndarray
@@ -24,12 +26,16 @@ BARELY_DELIVERS = 0.03  # volumetric efficiency below which only simultaneous cl
 
 
 class EstimateRequest(NamedTuple):
-    """A closed cycle whose errors are to be estimated: evaluation, machinery that holds it, criteria, the cycle."""
+    """A closed cycle whose errors are to be estimated: evaluation, machinery that holds it, criteria, the cycle.
+
+    `lent` is the linearisation of a nearby cycle's finer life.
+    """
 
     of: Evaluation
     machinery: Machinery
     criteria: ClosingCriteria
     cycle: CycleSolution
+    lent: Tangents | None = None
 
     @property
     def problem(self) -> Problem:
@@ -63,10 +69,13 @@ class EstimateRequest(NamedTuple):
 class FinerSolutions(NamedTuple):
     """Consecutive finer solutions; `enough`: they determine the limit of all later ones.
 
+    `changes` are the relative changes of the figures to each of them from the one before, first the closed cycle
+    (empty: not known yet).
+
     `left` is the share of the first one's change that Newton's correction left to the second. The last entry may be
     read from a correction instead of a life: `flow` is then its change of the net flow, `corrected_state` where the
     machinery stands. `cycle` is the finer cycle that a search closed, which the machinery then holds. `q` are the
-    quadratures of one that all chambers together closed.
+    quadratures of one that all chambers together closed, `tangents` the linearisation by which a life was corrected.
     """
 
     solutions: Sequence[Solution]
@@ -76,6 +85,8 @@ class FinerSolutions(NamedTuple):
     corrected_state: CorrectedState | None = None
     cycle: CycleSolution | None = None
     q: Array | None = None
+    changes: Sequence[Figures] = ()
+    tangents: Tangents | None = None
 
 
 NO_SOLUTIONS = FinerSolutions((), enough=False)

@@ -5,7 +5,6 @@ Source: docs/model.md M41; docs/explanation/errors.md.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -45,8 +44,9 @@ def finer_lives(request: EstimateRequest) -> FinerSolutions:
     """Return one or two further lives, finer than the closed cycle's; `NO_SOLUTIONS` where one stops.
 
     It applies to cycles closed by waveform relaxation. One life suffices unless errors feed back. Then there are
-    two: the first is moved to its limit by the tangents that closed the cycle, or, without any and if the two
-    lives' changes hardly shrink, the second by new tangents, for a third.
+    two: the first is moved to its limit by the tangents that closed the cycle, or by those of an estimate nearby.
+    Without any, or where the latter leave much, the second is moved by new tangents, for a third, if the two lives'
+    changes hardly shrink.
     """
     cycle = request.cycle
     if cycle.needed or way_of(cycle).whole:
@@ -56,22 +56,18 @@ def finer_lives(request: EstimateRequest) -> FinerSolutions:
     lives = _Lives(request)
     if not lives.next():
         return NO_SOLUTIONS
-    corrected = cycle.tangents is not None and lives.correct()
-    if lives.correction is not None and _correction_suffices(request):
+    corrected = lives.corrections.begun and lives.correct()
+    if lives.correction is not None and not lives.lent and _correction_suffices(request):
         return lives.foretold(lives.correction, max(LINEARITY_ERROR, cycle.missed))
     if not lives.next():
         return NO_SOLUTIONS
+    if corrected and lives.lent and lives.left() > SLOW_CONTRACTION:
+        corrected = lives.renew()
     if not corrected and lives.repeated() > SLOW_CONTRACTION and lives.correct():
         corrected = lives.next()
         if not corrected:
             return NO_SOLUTIONS
     return lives.read(FinerSolutions(lives.solutions, left=lives.left() if corrected else None))
-
-
-def changes(of: Evaluation, finer: Sequence[Solution]) -> list[Figures]:
-    """Return the relative changes of the figures from each solution to the next, starting from the closed cycle."""
-    figures = [of.figures, *(each.figures for each in finer)]
-    return [relative_errors(old, new, *of.least) for old, new in pairwise(figures)]
 
 
 def repeated_share(steps: Sequence[Figures]) -> float:
@@ -124,7 +120,7 @@ def _next_life(request: EstimateRequest) -> FinerSolutions:
 
     It takes what the cycle's last turn made of the unknowns: with those that this turn took it would repeat it.
     """
-    of, machinery, criteria, cycle = request
+    of, machinery, criteria, cycle, _ = request
     set_unknowns(request.problem, machinery, request.problem.entries.possible(of.image))
     machinery.set_widths(criteria.widths)
     status, _, q = machinery.turn(cycle.y.copy(), FINER * cycle.rtol)
@@ -139,13 +135,15 @@ class _Lives:
     """Consecutive lives after a closed cycle, with finer steps and the criteria that are asked for."""
 
     def __init__(self, request: EstimateRequest) -> None:
-        self.of, machinery, criteria, cycle = request
+        self.of, machinery, criteria, cycle, lent = request
         self.machinery, self.rtol, self.y = machinery, FINER * cycle.rtol, cycle.y.copy()
         machinery.set_widths(criteria.widths)
-        self.corrections = Corrections(request.problem, machinery, cycle.tangents)
+        self.lent = cycle.tangents is None and lent is not None  # the linearisation is that of a nearby cycle's life
+        self.corrections = Corrections(request.problem, machinery, lent if self.lent else cycle.tangents)
         self.unknowns_in = self.unknowns_out = unknowns(request.problem, machinery)
         self.solutions: list[Solution] = []
         self.correction: Correction | None = None  # of the last life
+        self.shown: list[Figures] = []  # relative changes of the figures to each solution from the one before
         self.changes: list[float] = []  # of states and unknowns over each life
 
     def next(self) -> bool:
@@ -160,12 +158,23 @@ class _Lives:
             return False
         machinery.swap()
         life = evaluate_life(problem, machinery.trajectory, self.q)
-        self.solutions.append(solution_of(life))
+        self._append(solution_of(life))
         self.unknowns_out = problem.entries.possible(life.image)
         self.end = along(machinery, self.y)
         moved = WEIGHT * float(np.max(np.abs(self.end - self.start)))
         self.changes.append(max(moved, problem.entries.change(self.unknowns_out, self.unknowns_in)))
         return True
+
+    def _append(self, solution: Solution) -> None:
+        """Append a solution, and how far its figures are from those before."""
+        before = self.solutions[-1].figures if self.solutions else self.of.figures
+        self.shown.append(relative_errors(before, solution.figures, *self.of.least))
+        self.solutions.append(solution)
+
+    def renew(self) -> bool:
+        """Drop a linearisation that was lent; return that nothing is corrected by it."""
+        self.lent, self.corrections.tangents = False, None
+        return False
 
     def correct(self) -> bool:
         """Move the last life to the limit of all that follow; return whether there was a correction."""
@@ -204,9 +213,10 @@ class _Lives:
         machinery.inject(y)
         life = Evaluation(problem, machinery.trajectory, self.q + sums)
         led = CorrectedState(self.y, (float(machinery.R[slots.R_TRAPPED]), float(life.q[slots.Q_WORK])))
+        self._append(solution_of(life))
         return self.read(
             FinerSolutions(
-                [*self.solutions, solution_of(life)],
+                self.solutions,
                 left=wrong,
                 flow=max(abs(by.mass) * max(1.0, trapped / max(sucked, 1e-300)), passed),
                 corrected_state=led,
@@ -215,14 +225,14 @@ class _Lives:
 
     def repeated(self) -> float:
         """Return the ratio of the last life's change to that of the one before."""
-        return repeated_share(changes(self.of, self.solutions))
+        return repeated_share(self.shown)
 
     def read(self, finer: FinerSolutions) -> FinerSolutions:
         """Return finer solutions marked with whether they determine the limit of all later ones."""
-        steps = changes(self.of, finer.solutions)
-        small = worst(steps[-1])[1] < LAST_CHANGE * self.of.problem.scene.numerics.accuracy
-        again = repeated_share(steps) if finer.left is None else finer.left
-        return finer._replace(enough=small or again < QUICK_CONVERGENCE)
+        small = worst(self.shown[-1])[1] < LAST_CHANGE * self.of.problem.scene.numerics.accuracy
+        again = repeated_share(self.shown) if finer.left is None else finer.left
+        enough, tangents = small or again < QUICK_CONVERGENCE, self.corrections.tangents
+        return finer._replace(enough=enough, changes=self.shown, tangents=tangents)
 
     def left(self) -> float:
         """Return the share of the first life's change that its correction left; 0 where hardly anything is left."""
