@@ -38,7 +38,7 @@ def run():
 @pytest.fixture(scope="module")
 def pressures(run) -> Pressures:
     scene, result = run
-    return pressures_of(laid_curves(scene.machine), result)
+    return pressures_of(scene.machine, result)
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +82,7 @@ def test_the_surfaces_of_each_profile_do_the_work_of_a_compression(name):
     volume = laid.rotors.volume(np.clip(angle - laid.born, 0.0, laid.curves.life) + laid.rotors.start)
     closed = angle > laid.injection
     pressure = np.where(closed, 3e5 * (volume.max() / np.maximum(volume, 0.2 * volume.max())) ** 1.1, 3e5)
-    found = loads_of(Pressures(laid, angle, pressure, 3e5))[1]
+    found = loads_of(Pressures(laid, laid.on_rotors(angle, False), pressure, 3e5))[1]
     own, other = (found[f"{rotor}_torque_by_virtual_work"] for rotor in ("male", "female"))
     assert np.max(np.abs(found["male_torque"] - own)) < 0.015 * own.mean()
     assert abs(found["female_torque"].mean() - other.mean()) < 0.025 * own.mean()
@@ -108,7 +108,7 @@ def test_areas_that_give_the_forces_of_the_surfaces_are_those_of_model_md(name):
     """M146: the mean force of all loads on a rotor over the sum of the chambers' pressures above suction, over D²."""
     unit = "effects.gas_torque={radial_area: 1 cm^2, axial_area: 1 cm^2}"
     scene, result = run_of(str(ROOT / "configs" / "rotors" / f"{name}.yaml"), [unit])
-    c = loads_of(pressures_of(laid_curves(scene.machine), result), Supports(shafts=(0.07, 0.07)))[1]
+    c = loads_of(pressures_of(scene.machine, result), Supports(shafts=(0.07, 0.07)))[1]
     pressed = result.performance.radial_gas_force / 1e-4 * scene.machine.rotor_diameter**2
     for rotor, across, along in (("male", (0.06, 0.075), (0.09, 0.11)), ("female", (0.075, 0.1), (0.01, 0.035))):
         radial = math.hypot(*(float(c[f"{rotor}_force_{way}"].mean()) for way in "xy")) / pressed
@@ -140,7 +140,7 @@ def test_a_throttled_machine_presses_on_its_rotors_as_one_of_that_suction_pressu
     for overrides in (throttled, [*lines, "operation.suction.pressure=1.2 bar"]):
         scene, result = run_of(str(ROOT / "configs" / "rotors" / "b.yaml"), overrides)
         assert result.status == "ok"
-        found.append(loads_of(pressures_of(laid_curves(scene.machine), result))[1])
+        found.append(loads_of(pressures_of(scene.machine, result))[1])
     one, other = found
     size = np.max(np.abs(other["male_thrust_bearing"]))
     for name, values in other.items():

@@ -34,7 +34,7 @@ def compressed(laid: LaidCurves) -> Pressures:
     angle = np.radians(np.arange(0.0, math.degrees(laid.life)))
     volume = laid.rotors.volume(np.clip(angle - laid.born, 0.0, laid.curves.life) + laid.rotors.start)
     ratio = np.where(angle > laid.injection, volume.max() / np.maximum(volume, 0.2 * volume.max()), 1.0)
-    return Pressures(laid, angle, 3e5 * ratio**1.1, 3e5)
+    return Pressures(laid, laid.on_rotors(angle, False), 3e5 * ratio**1.1, 3e5)
 
 
 class Uniform(Pressures):

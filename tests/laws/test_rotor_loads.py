@@ -1,6 +1,7 @@
 """M158: bearings carry what the gas on the rotors' surfaces and their contact load each of them with."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,22 +11,63 @@ from each_row import each_row
 from screwsim import load, simulate
 from screwsim.export.rotor_loads import Supports, loads_of, pressures_of
 from screwsim.inputs.faults import SceneError
-from screwsim.machine.profile_law import laid_curves
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 MU, BORE, SHAFT = 0.0018, 0.06, 0.05
 BEARINGS = {"load": "rotors", "friction_coefficient": MU, "bore": f"{BORE} m", "shaft_diameter": f"{SHAFT} m"}
 
 
+STATED = ("evaporating_temperature", "condensing_temperature", "superheat", "subcooling")
+EXPANDER = [
+    "machine.mode=expander",
+    *(f"operation.{name}=null" for name in STATED),
+    "operation.suction={pressure: 20 bar, temperature: 100 degC}",
+    "operation.discharge.pressure=7 bar",
+]
+
+
 def of_rotors(name: str, **changes):
     return load(CONFIGS / "rotors" / f"{name}.yaml").with_({"effects.bearings": BEARINGS} | changes)
 
 
-@pytest.mark.parametrize("name", ["a", "b"])
-def test_bearings_carry_the_loads_that_are_exported(name):
-    scene = of_rotors(name)
+def expander_of_rotors(name: str):
+    """Return the dry expander of these rotors, on R134a from 20 to 7 bar."""
+    oiled = ["oil_heat", "oil_pump", "hydromechanical", "mechanical"]
+    scene = load(CONFIGS / "rotors" / f"{name}.yaml", [*EXPANDER, "oil=null", "oil_supply=null"], without=oiled)
+    return scene.with_({"effects.bearings": BEARINGS})
+
+
+def test_an_expander_presses_on_its_rotors_as_a_compressor_with_its_pressures_run_backwards():
+    """M150: the forces are those of the pressures on the same surfaces; torques count in the machine's direction."""
+    scene = expander_of_rotors("b")
     result = simulate(scene)
-    columns = loads_of(pressures_of(laid_curves(scene.machine), result), Supports(shafts=(SHAFT, SHAFT)))[1]
+    pressures = pressures_of(scene.machine, result)
+    angle, columns = loads_of(pressures)
+    there = loads_of(replace(pressures, backwards=False))[1]
+    back = (-np.arange(len(angle))) % len(angle)  # the place of the same rotors when they turn the other way
+    for name, values in columns.items():
+        sign = -1.0 if "torque" in name else 1.0
+        np.testing.assert_allclose(values, sign * there[name][back], atol=1e-9 * np.abs(values).max(), err_msg=name)
+    own, other = (columns[f"{rotor}_torque_by_virtual_work"].mean() for rotor in ("male", "female"))
+    power = scene.operation.speed * (own + scene.machine.male_lobes / scene.machine.female_lobes * other)
+    assert power == pytest.approx(result.performance.indicated_power, rel=0.003) and power < 0.0
+    assert np.abs(columns["male_torque"] - columns["male_torque_by_virtual_work"]).max() < 0.015 * abs(own)
+
+
+def test_a_balance_piston_of_an_expander_is_pushed_from_the_inlet():
+    """M480: between the inlet's pressure, behind the opening where a compressor discharges, and the outlet's."""
+    held = {"suction": {"distance": "50 mm"}, "discharge": {"distance": "60 mm"}}
+    free, pushed = (
+        simulate(expander_of_rotors("b").with_({"effects.bearings.male": each})).performance
+        for each in (held, held | {"balance_piston": {"area": "20 cm^2"}})
+    )
+    assert free.male_axial_load - pushed.male_axial_load == pytest.approx(20e-4 * (20e5 - 7e5), rel=1e-3)
+
+
+@pytest.mark.parametrize("scene", [of_rotors("a"), of_rotors("b"), expander_of_rotors("b")], ids=["a", "b", "expander"])
+def test_bearings_carry_the_loads_that_are_exported(scene):
+    result = simulate(scene)
+    columns = loads_of(pressures_of(scene.machine, result), Supports(shafts=(SHAFT, SHAFT)))[1]
     found, power = result.performance, 0.0
     speeds = scene.operation.speed * np.array([1.0, scene.machine.male_lobes / scene.machine.female_lobes])
     for rotor, speed in zip(("male", "female"), speeds, strict=True):
@@ -79,5 +121,5 @@ def test_a_fault_is_found_with_its_remedy(changes, words):
 
 
 def test_rotors_without_a_profile_have_no_surfaces():
-    with pytest.raises(SceneError, match="load: rotors needs the rotors of a compressor with a profile"):
+    with pytest.raises(SceneError, match="load: rotors needs rotors with a profile"):
         load(CONFIGS / "paper" / "point.yaml").with_({"effects.bearings": BEARINGS})

@@ -136,21 +136,27 @@ def load_on_male(parameters: Parameters, figures) -> float:
 
 
 @lru_cache(maxsize=MOST_CACHED)
-def _areas_by_angle(laid: LaidCurves, shaft: float, points: int) -> tuple[np.ndarray, list[dict[str, np.ndarray]]]:
-    """Return the angles [rad] of all chambers (columns) at even points of a pitch (rows), and the areas that press."""
+def _areas_by_angle(
+    laid: LaidCurves, expands: bool, shaft: float, points: int
+) -> tuple[np.ndarray, list[dict[str, np.ndarray]]]:
+    """Return the angles [rad] of all chambers (columns) at even points of a pitch (rows), and the areas that press.
+
+    The angles are those of the rotors (`machine.rotors.rotors`), which an expander passes backwards (M150).
+    """
     pitch = laid.rotors.pair.pitch
     angle = np.arange(points)[:, None] * (pitch / points) + pitch * np.arange(round(laid.life / pitch))
-    own = angle - laid.born + laid.rotors.start
-    return angle, [of.at(own) for of in pressed_areas(laid.rotors, (shaft, shaft))]
+    own = laid.on_rotors(angle, expands)
+    return own, [of.at(own) for of in pressed_areas(laid.rotors, (shaft, shaft))]
 
 
-def loads_on_rotors(parameters: Parameters, laid: LaidCurves, figures) -> dict[str, bearing_set.RotorLoad]:
+def loads_on_rotors(parameters: Parameters, machine, figures) -> dict[str, bearing_set.RotorLoad]:
     """Return what male and female rotor load their bearings with, by angle (M158, M480)."""
-    pitch = figures.pitch()
-    angle, areas = _areas_by_angle(laid, parameters.shaft_diameter or 0.0, len(pitch.angle))
-    life = expanded(pitch.low_pressure, laid.born, angle.T.ravel(), pitch.pressure.T.ravel())
+    pitch, laid, expands = figures.pitch(), machine.profile, machine.expands
+    own_angle, areas = _areas_by_angle(laid, expands, parameters.shaft_diameter or 0.0, len(pitch.angle))
+    life = expanded(pitch.low_pressure, laid.rotors.start, own_angle.T.ravel(), pitch.pressure.T.ravel())
     excess = life.reshape(pitch.pressure.T.shape).T - pitch.low_pressure
-    found, lines = rotor_loads(laid.rotors, areas, excess), (pitch.low_pressure, figures.plenum_pressure)
+    high = pitch.high_pressure if expands else figures.plenum_pressure
+    found, lines = rotor_loads(laid.rotors, areas, excess), (pitch.low_pressure, high)
     return {
         name: bearing_set.carried(getattr(parameters, name), own, laid.rotors.length, *lines)
         for name, own in found.items()
@@ -174,7 +180,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
     def loads(figures) -> tuple[float, float]:
         """Return the loads on male and female rotor [N]."""
         if parameters.load == ROTOR_LOADS:
-            male, female = loads_on_rotors(parameters, machine.profile, figures).values()
+            male, female = loads_on_rotors(parameters, machine, figures).values()
             return male.for_friction(), female.for_friction()
         load = load_on_male(parameters, figures)
         return load, (1.0 if parameters.female_load is None else parameters.female_load) * load
@@ -187,7 +193,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
 
     def each_bearing(figures) -> tuple[dict[str, bearing_set.RotorLoad], dict[str, dict[str, bearing_set.Rated]]]:
         """Return the loads of both rotors, and the named bearings with their lives."""
-        both = loads_on_rotors(parameters, machine.profile, figures)
+        both = loads_on_rotors(parameters, machine, figures)
         speeds = {"male": figures.omega, "female": ratio * figures.omega}
         return both, {name: bearing_set.rated(each, both[name], speeds[name]) for name, each in named.items()}
 
@@ -201,7 +207,7 @@ def build(parameters: Parameters, machine) -> list[PowerLoss | Reading]:
         return found | ({} if parameters.life_of_set is None else {bearing_set.SET_LIFE: bearing_set.set_life(lives)})
 
     def traces(figures) -> dict[str, np.ndarray]:
-        both = loads_on_rotors(parameters, machine.profile, figures)
+        both = loads_on_rotors(parameters, machine, figures)
         return {key: values for name in named for key, values in bearing_set.traces_of(name, both[name]).items()}
 
     def judge(figures) -> tuple[str, tuple[str, ...]]:
@@ -241,8 +247,8 @@ def _of_rotors(parameters: Parameters, machine) -> Faults:
         for name in ("shaft_diameter", *NAMES):
             if getattr(parameters, name) is not None:
                 yield _given_in_vain(name, ROTOR_LOADS, parameters.load)
-    elif machine.expands or not machine.volume.from_rotors:
-        what = "needs the rotors of a compressor with a profile (machine.volume.law: profile), absent here"
+    elif not machine.volume.from_rotors:
+        what = "needs rotors with a profile (machine.volume.law: profile), absent here"
         yield Fault(f"{path}.load", f"{ROTOR_LOADS} {what} (write stated or gas)")
     elif parameters.female_load is not None:
         yield Fault(f"{path}.female_load", f"is found by load: {ROTOR_LOADS} (remove it)")

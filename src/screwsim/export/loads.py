@@ -21,7 +21,6 @@ from screwsim.export.rotor_supports import supports_of
 from screwsim.figures import rotor_speed
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import TWIN_SCREW, twin_screw
-from screwsim.machine.profile_law import laid_curves
 from screwsim.machine.rotors.loads import NAMES, Diameters
 from screwsim.machine.rotors.pair import Array
 from screwsim.machine.rotors.surface import Surface, chamber_angles, surfaces
@@ -133,9 +132,9 @@ def loads(scene: Scene, result: Result, spans: Spans | None = None, shafts: Diam
     frequency = speed / build_parts(scene).geometry.pitch  # [Hz] at which chambers pass
     curves, supports = {"flows": flows_of(scene, result)}, None
     if not has_rotors(scene):
-        without = "forces and surfaces need rotors with a profile (machine.volume.law: profile), of a compressor"
+        without = "forces and surfaces need rotors with a profile (machine.volume.law: profile)"
     else:
-        pressures, without = pressures_of(laid_curves(twin_screw(scene.machine)), result), ""
+        pressures, without = pressures_of(twin_screw(scene.machine), result), ""
         supports = supports_of(scene, result, spans, shafts), pressures.laid.rotors.length
         curves["forces"] = loads_of(pressures, supports[0])
     spectra = {name: harmonics(values, frequency) for _, columns in curves.values() for name, values in columns.items()}
@@ -143,17 +142,15 @@ def loads(scene: Scene, result: Result, spans: Spans | None = None, shafts: Diam
 
 
 def has_rotors(scene: Scene) -> bool:
-    """Tell whether a scene has rotors with known surfaces, as a compressor with a profile does."""
-    machine = scene.machine
-    return machine.kind == TWIN_SCREW and not machine.expands and twin_screw(machine).volume.from_rotors
+    """Tell whether a scene has rotors with known surfaces, as those with a profile."""
+    return scene.machine.kind == TWIN_SCREW and twin_screw(scene.machine).volume.from_rotors
 
 
 def check_rotors(scene: Scene, option: str) -> None:
     """Raise UsageError where an option of forces and surfaces is given and the scene has no rotors for them."""
     if option and not has_rotors(scene):
-        what = "applies to forces and surfaces of rotors with a profile, of a compressor"
-        can = scene.machine.kind == TWIN_SCREW and not scene.machine.expands
-        profile = "write machine.volume.law: profile, or " if can else ""
+        what = "applies to forces and surfaces of rotors with a profile"
+        profile = "write machine.volume.law: profile, or " if scene.machine.kind == TWIN_SCREW else ""
         raise UsageError(f"{option}: {what} ({profile}remove {option}: flows are written)")
 
 
@@ -176,7 +173,7 @@ def write_loads(scene: Scene, result: Result, found: ExportedLoads, folder: Path
     text = json.dumps(document(found), indent=1, allow_nan=False) + "\n"
     files.append(write_text(folder / WHOLE, text))
     if has_rotors(scene):
-        pressures = pressures_of(laid_curves(twin_screw(scene.machine)), result)
+        pressures = pressures_of(twin_screw(scene.machine), result)
         speed = rotor_speed(result.performance, scene.operation.speed)
         for name, surface in zip(("male", "female"), surfaces(pressures.laid.rotors, PROFILE_PIECES), strict=True):
             files += write_surface(folder / f"{name}_rotor", surface, pressures, steps, speed)
@@ -261,7 +258,8 @@ def write_surface(stem: Path, surface: Surface, pressures: Pressures, steps: int
     rotors = pressures.laid.rotors
     z = np.linspace(0.0, rotors.length, CELLS_ALONG + 1)
     middle = 0.5 * (z[1:] + z[:-1])
-    found = [pressures.at(chamber_angles(surface, rotors, float(phi), middle)) - pressures.low for phi in angles]
+    turned = pressures.turned(angles).tolist()
+    found = [pressures.at(chamber_angles(surface, rotors, phi, middle)) - pressures.low for phi in turned]
     values = np.stack([each.ravel() for each in found])
     data, text = stem.with_suffix(".h5"), stem.with_suffix(".xdmf")
     with replacing(data) as temporary, new_hdf5(temporary) as file:

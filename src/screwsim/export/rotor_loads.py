@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.inputs.faults import UsageError
-from screwsim.machine.profile_law import LaidCurves
+from screwsim.machine.profile_law import LaidCurves, laid_curves
 from screwsim.machine.rotors.loads import (
     NAMES,
     Diameters,
@@ -25,6 +25,7 @@ from screwsim.machine.rotors.loads import (
     thick_shaft,
 )
 from screwsim.machine.rotors.pair import Array
+from screwsim.machine.settings import MachineSettings, TwinScrew
 from screwsim.outputs import Result
 
 PITCH_POINTS = 48  # points of a pitch
@@ -54,18 +55,23 @@ BARE = Supports()
 class Pressures:
     """Pressure [Pa] of a chamber over its angle φ, with the origin of `machine.rotors.rotors`.
 
-    `low` is that before the suction port, from which forces count.
+    `low` is that before the suction port, behind which an expander's gas leaves; forces count from it.
     """
 
     laid: LaidCurves
-    angle: Array  # [rad], on the scene's axis
+    angle: Array  # [rad], on the rotors' axis
     pressure: Array
     low: float
+    backwards: bool = False  # the rotors of an expander turn the other way
+
+    def turned(self, angle: Array) -> Array:
+        """Return angles of the male rotor [rad] after it has turned, in the machine's direction, by `angle`."""
+        return -angle if self.backwards else angle
 
     def at(self, phi: Array) -> Array:
         """Return the pressure of chambers; before their birth that of suction, after their end the last value."""
         rotors = self.laid.rotors
-        axis = self.laid.born + np.minimum(phi, rotors.wrap) - rotors.start
+        axis = np.minimum(phi, rotors.wrap)
         return np.where(phi < rotors.start, self.low, np.interp(axis, self.angle, self.pressure))
 
     def excess(self, phi: Array) -> Array:
@@ -73,20 +79,23 @@ class Pressures:
         return self.at(phi) - self.low
 
 
-def pressures_of(laid: LaidCurves, result: Result) -> Pressures:
+def pressures_of(machine: TwinScrew, result: Result) -> Pressures:
     """Return the pressures of a result that keeps its cycle, without the remainder of a chamber's last charge."""
-    angle, low = np.radians(result.cycle["angle"]), intake_pressure(result)
-    return Pressures(laid, angle, expanded(low, laid.born, angle, np.array(result.cycle["pressure"])), low)
+    laid, (low, _), backwards = laid_curves(machine), line_pressures(machine, result), machine.expands
+    angle, pressure = laid.on_rotors(np.radians(result.cycle["angle"]), backwards), np.array(result.cycle["pressure"])
+    if backwards:
+        angle, pressure = angle[::-1], pressure[::-1]
+    return Pressures(laid, angle, expanded(low, laid.rotors.start, angle, pressure), low, backwards)
 
 
-def intake_pressure(result: Result) -> float:
-    """Return the mean pressure [Pa] before the suction port: in its plenum, behind a throttle, or in the line."""
-    return _first_known(result, "suction_plenum_pressure", "intake_pressure", "suction_pressure")
+def line_pressures(machine: MachineSettings, result: Result) -> tuple[float, float]:
+    """Return the mean pressures [Pa] at both ends of the rotors: those of a compressor's intake and outlet.
 
-
-def outlet_pressure(result: Result) -> float:
-    """Return the mean pressure [Pa] behind the discharge port: in its plenum, or in the line."""
-    return _first_known(result, "discharge_plenum_pressure", "discharge_pressure")
+    They are those of the plenum there, behind a throttle, or in the line; an expander's inlet is the higher one.
+    """
+    inlet = _first_known(result, "suction_plenum_pressure", "intake_pressure", "suction_pressure")
+    outlet = _first_known(result, "discharge_plenum_pressure", "discharge_pressure")
+    return (outlet, inlet) if machine.expands else (inlet, outlet)
 
 
 def _first_known(result: Result, *names: str) -> float:
@@ -104,7 +113,7 @@ def loads_of(pressures: Pressures, supports: Supports = BARE) -> tuple[Array, di
     if thick := thick_shaft(rotors, supports.shafts):
         raise UsageError(f"--shafts: {thick}")
     areas = pressed_areas(rotors, supports.shafts)
-    phi = chambers_at(rotors, areas, angle)
+    phi = chambers_at(rotors, areas, pressures.turned(angle))
     found = rotor_loads(rotors, [of.at(phi) for of in areas], pressures.excess(phi))
     columns: dict[str, Array] = {}
     for name, spans in zip(NAMES, supports.spans, strict=True):
@@ -122,7 +131,8 @@ def loads_of(pressures: Pressures, supports: Supports = BARE) -> tuple[Array, di
         shown |= {key.replace("_bearing", "_bearing_total"): values for key, values in carried.items()}
         columns |= {f"{name}_{key}": values for key, values in shown.items()}
     columns["gas_torque"] = found["male"]["torque"] + found["male"]["contact_torque"]
-    return angle, columns
+    turning = {name: -values for name, values in columns.items() if "torque" in name} if pressures.backwards else {}
+    return angle, columns | turning
 
 
 def _torques_by_virtual_work(pressures: Pressures, angle: Array) -> dict[str, Array]:
@@ -130,7 +140,7 @@ def _torques_by_virtual_work(pressures: Pressures, angle: Array) -> dict[str, Ar
     rotors = pressures.laid.rotors
     pitch = rotors.pair.pitch
     first = math.ceil((rotors.start - pitch) / pitch)
-    phi = angle[:, None] + pitch * np.arange(first, math.ceil(rotors.wrap / pitch) + 1)
+    phi = pressures.turned(angle)[:, None] % pitch + pitch * np.arange(first, math.ceil(rotors.wrap / pitch) + 1)
     p = pressures.at(phi) - pressures.low
     male = rotors.male_slope(phi)
     both = rotors.volume_slope(phi)

@@ -4,7 +4,7 @@ from typing import Any
 
 from screwsim.effects.bearings import EFFECT, ROTOR_LOADS
 from screwsim.effects.parts.bearing_set import ENDS
-from screwsim.export.rotor_loads import Spans, Supports, intake_pressure, outlet_pressure
+from screwsim.export.rotor_loads import Spans, Supports, line_pressures
 from screwsim.machine.rotors.loads import NAMES, Diameters
 from screwsim.outputs import Result
 from screwsim.scene import Scene
@@ -20,11 +20,11 @@ def supports_of(scene: Scene, result: Result, spans: Spans | None, shafts: Diame
     named = effect.parameters if effect is not None and effect.parameters.load == ROTOR_LOADS else None
     diameter = getattr(named, "shaft_diameter", None)
     male, female = (getattr(named, name, None) for name in NAMES)
-    sized = diameter is not None or shafts is not None
+    sized, pressures = diameter is not None or shafts is not None, line_pressures(scene.machine, result)
     return Supports(
         (_spans(male), _spans(female)) if spans is None else (spans, spans),
         (diameter or 0.0, diameter or 0.0) if shafts is None else shafts,
-        (_push(male, result), _push(female, result)),
+        (_push(male, pressures), _push(female, pressures)),
         (male is not None, female is not None) if spans is None else (True, True),
         (sized, sized),
     )
@@ -49,9 +49,9 @@ def _spans(bearings: Any) -> Spans:
     return suction, discharge
 
 
-def _push(bearings: Any, result: Result) -> float:
-    """Return the force [N] of a rotor's balance piston towards the discharge end."""
+def _push(bearings: Any, pressures: tuple[float, float]) -> float:
+    """Return the force [N] of a rotor's balance piston towards the discharge end, between these pressures [Pa]."""
     piston = getattr(bearings, "balance_piston", None)
     if piston is None:
         return 0.0
-    return piston.push(intake_pressure(result), outlet_pressure(result))
+    return piston.push(*pressures)

@@ -123,6 +123,10 @@ class LaidCurves:
         """Angle at which the chamber ends [rad]; it is idle from there to the end of the life."""
         return self.born + self.curves.life
 
+    def on_rotors(self, angle: Array, expands: bool) -> Array:
+        """Return angles [rad] of chambers on the rotors' own axis, which an expander passes backwards (M150)."""
+        return (self.life - angle if expands else angle) - self.born + self.rotors.start
+
     @property
     def opens(self) -> float:
         """Angle at which the discharge port opens [rad]."""

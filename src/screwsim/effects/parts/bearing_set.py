@@ -75,13 +75,11 @@ class RadialBearing(Bearing):
 class BalancePiston:
     """A piston on the shaft that pushes the rotor towards its discharge end."""
 
-    area: float = quantity("area", "on which its pressure acts; that before the suction port acts behind it", ge=0.0)
-    pressure: float | None = quantity(
-        "pressure", "absolute pressure on it (default: that behind the discharge port)", None, gt=0.0
-    )
+    area: float = quantity("area", "on which its pressure acts; the lower line's acts behind it", ge=0.0)
+    pressure: float | None = quantity("pressure", "absolute pressure on it (default: the higher line's)", None, gt=0.0)
 
     def push(self, low: float, high: float) -> float:
-        """Return its force [N], from the pressures [Pa] before the suction and behind the discharge port (M480)."""
+        """Return its force [N], from the pressures [Pa] of the lower and the higher line (M480)."""
         return self.area * ((high if self.pressure is None else self.pressure) - low)
 
 

@@ -201,7 +201,10 @@ def expanded(low: float, born: float, angle: Array, pressure: Array) -> Array:
     """Return the pressure [Pa] of a chamber over its angle without the remainder of its last charge.
 
     A chamber is born with it, at the angle `born`, in almost no volume, which presses on nothing: until its pressure
-    has first fallen to that before the suction port, `low`, that replaces it.
+    has first fallen to that before the suction port, `low`, that replaces it. Angles that fall are those of an
+    expander, whose last remainder is squeezed there.
     """
+    if angle[0] > angle[-1]:
+        return expanded(low, born, angle[::-1], pressure[::-1])[::-1]
     down = np.flatnonzero((angle >= born) & (pressure <= EXPANDED_RATIO * low))
     return np.where(np.arange(len(pressure)) < (down[0] if len(down) else 0), low, pressure)
