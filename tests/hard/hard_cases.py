@@ -448,7 +448,7 @@ MOST = {  # evaluations of the right-hand side, Jacobians' included: about twice
     "dead volume 1e-06": 20_000,
     "dead volume 1e-09": 20_000,
     "found: swings for long": 4_000_000,
-    "found: filled with liquid": 100_000,
+    "found: filled with liquid": 4_000_000,  # 0.07 to 1.4 million, by the last bits: pitches of all chambers, or not
     "found: throttled suction": 80_000,
     "found: closes only with tighter steps": 500_000,
     "found: held to the lines": 20_000,
