@@ -52,6 +52,14 @@ def test_the_first_line_of_run_tells_gas_hotter_than_a_machine_stands(capsys):
     assert status.startswith("status: ok, with ")
 
 
+def test_the_essentials_tell_a_figure_that_no_machine_has_below_any_title(capsys):
+    hot = ["oil_supply.ratio=0", "operation.discharge.pressure=60 bar"]
+    exit_code(["run", PAPER, "--short", *(part for each in hot for part in ("--set", each))])
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) <= 24 and max(map(len, lines)) <= 80
+    assert "status: ok; physically impossible: discharge temperature " in words("\n".join(lines))
+
+
 def test_run_and_python_tell_the_same_warning(capsys):
     assert exit_code(["run", PLAIN, "--set", ODD]) == 0
     told = words(capsys.readouterr().out)

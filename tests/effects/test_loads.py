@@ -194,6 +194,7 @@ def test_a_table_of_the_formula_is_the_formula(tmp_path):
         ([(0.5, 0.9)], "load,efficiency", "two rows"),
         ([(0.5, 0.9), (0.4, 0.9)], "load,efficiency", "increasing"),
         ([(0.5, 90), (1.0, 95)], "load,efficiency", "shares, not percent"),
+        ([(25, 0.9), (50, 0.93), (100, 0.95)], "load,efficiency", "a load of 100, above 3.5 times the rated power"),
         ([(0.5, 0.9), (math.nan, 0.9), (1.0, 0.9)], "load,efficiency", "increasing"),
         ([(0.5, 0.9), (math.inf, 0.9)], "load,efficiency", "increasing"),
         ([(0.5, 0.9), (1.0, 0.9)], "load,eta", "columns load and efficiency"),

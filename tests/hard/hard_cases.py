@@ -89,7 +89,7 @@ def _oil() -> list[Case]:
             "carried, d = 40, dense suction",
             {**full, "oil_supply.ratio": 40},
             "from d = 35 up the oil would fill the chamber; it takes up no volume in this model, and a warning says so",
-            says=("the oil would fill 116% of the chamber", "takes up no volume", "lower oil_supply.ratio"),
+            says=("the oil would fill 116% of the chamber", "takes up no volume", "name effects.oil_volume"),
         ),
     ]
     for T, word in (("363 K", "hotter"), ("203 K", "colder")):

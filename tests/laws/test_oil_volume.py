@@ -1,9 +1,15 @@
 """Oil that takes room: its limit, its lock, and that the indicated work lifts it."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scenes import OIL_VOLUME, TOGETHER, run
 
+from screwsim.scene import load
+from screwsim.simulate import simulate
+
+R134A = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
 ACCURACY = 3e-4
 HEAVY = {"oil.density": "1e8 kg/m^3", "effects.oil_heat.droplet_radius": "1 nm"}  # 1e5 times as dense; α/(r ρ) kept
 
@@ -47,6 +53,17 @@ def test_injected_oil_compresses_the_gas_that_it_displaces():
     assert after / before == pytest.approx(
         (volume / (volume - oil)) ** 1.115, rel=0.02
     )  # two degrees of everything else
+
+
+@pytest.mark.parametrize(("d", "off", "told"), [(8, 0.06, False), (12, 0.08, True)])
+def test_a_neglected_room_that_matters_is_warned_of(d, off, told):
+    """What a third of the chamber and more does to the power of a real gas, if nobody counts it."""
+    scene = load(R134A).with_({"oil_supply.ratio": d})
+    without, full = simulate(scene, trace=False), simulate(scene.with_({"effects.oil_volume": {}}), trace=False)
+    more = full.performance.shaft_power / without.performance.shaft_power - 1.0
+    assert (more > off) is told
+    assert any("name effects.oil_volume" in warning for warning in without.warnings) is told
+    assert not any("takes up no volume" in warning for warning in full.warnings)
 
 
 @pytest.mark.parametrize("d", [50, 300])

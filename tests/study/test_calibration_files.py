@@ -291,6 +291,29 @@ def test_an_uncertainty_in_percent_is_a_share_of_each_value_but_of_an_efficiency
         read_fit(write_fit(tmp_path, points=head.format("") + rows.replace("1000,4,", "1000,0,")))
 
 
+@pytest.mark.parametrize(
+    ("unit", "value", "own", "size"),
+    [
+        ("", "4", "2", 0.08),  # a share of the COP, which was taken as 0.02
+        ("", "4", "2 (k=2)", 0.04),
+        (" [%]", "400", "2", 0.02),  # points, as the values are in %
+    ],
+)
+def test_percent_of_a_cop_are_a_share_of_it_unless_it_is_stated_in_percent(tmp_path, unit, value, own, size):
+    number, _, factor = own.partition(" ")
+    head = f"operation.speed [rpm],cop{unit},cop_uncertainty [%]{factor}\n"
+    rows = "".join(f"{speed},{value},{number}\n" for speed in (1000, 2000, 3000))
+    points = read_fit(write_fit(tmp_path, points=head + rows)).points
+    assert all(each.measured["cop"] == pytest.approx((4.0, size), rel=1e-12) for each in points)
+
+
+def test_a_candidate_has_no_value_of_which_percent_could_be_a_share(tmp_path):
+    fit = write_fit(tmp_path)
+    (tmp_path / "next.csv").write_text("operation.speed [rpm],cop_uncertainty [%]\n1500,2\n", encoding="utf-8")
+    with pytest.raises(SceneError, match=r"cop: has no value of which % are a share"):
+        screwsim.plan(fit, candidates=tmp_path / "next.csv")
+
+
 @pytest.mark.parametrize("figure", ["discharge_temperature [degC]", "discharge_pressure [bar(g)]"])
 def test_no_share_of_a_reading_with_a_zero_of_its_own_is_an_uncertainty(tmp_path, figure):
     own = figure.partition(" ")[0] + "_uncertainty"

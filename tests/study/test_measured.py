@@ -57,7 +57,9 @@ def test_a_tolerance_in_a_unit_with_a_zero_has_one_message_in_a_scene_and_of_a_m
         ("discharge_temperature=15 degC ± 1", 288.15, 0.5),
         ("discharge_temperature=59 degF ± 1 K", 288.15, 0.5),
         ("volumetric_efficiency=90 % ± 1 %", 0.9, 0.005),  # points
+        ("volumetric_efficiency=0.9 ± 1 %", 0.9, 0.005),  # points as well, as a column of a fit reads it
         ("oil_ratio=3 ± 10 %", 3.0, 0.15),  # a share
+        ("pressure_ratio=4 ± 2 %", 4.0, 0.04),
         ("shaft_power=13.2 kW ± 0.2 kW (k=2)", 13200.0, 100.0),
         ("shaft_power=13.2 kW ± 0.1 kW (k=1)", 13200.0, 100.0),
         ("shaft_power=13.2 kW ± 0.1(k = 1)", 13200.0, 100.0),

@@ -125,13 +125,16 @@ def loss_of_shares(parameters: Parameters) -> Loss:
 
 @once_per_file
 def read_table(path: str) -> list[tuple[float, ...]]:
-    """Return (load, efficiency) of a CSV file, two rows or more; raise UsageError in one line where there are none."""
+    """Return (load, efficiency), shares of the rated power and of 1, of a CSV file; raise UsageError in one line."""
     words = "is not a CSV file with numbers in the columns load, efficiency"
     with sheet_or_usage_error("name a CSV file with the columns load, efficiency"):
         rows = read_sheet(path).numbers("load", "efficiency", words=words)
     loads = [load for load, _ in rows]
     if len(rows) < 2 or not 0.0 < loads[0] or not all(a < b < inf for a, b in pairwise(loads)):
         raise UsageError("needs two rows or more, with increasing loads above 0 (sort them)")
+    if loads[-1] > BREAKDOWN:
+        most = f"{BREAKDOWN:g} times the rated power, which no motor carries"
+        raise UsageError(f"has a load of {loads[-1]:g}, above {most} (give shares of rated_power, not percent or kW)")
     if not all(0.0 < efficiency <= 1.0 for _, efficiency in rows):
         raise UsageError("has an efficiency that is not above 0 and at most 1 (give shares, not percent)")
     return rows

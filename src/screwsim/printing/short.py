@@ -40,13 +40,16 @@ def print_short(title: str, result: Result, changed: Sequence[str] = (), ambient
     The figures have their numerical errors, if there are any. `ambient` is the pressure [Pa] over which that at a
     package's outlet is given, too.
     """
-    first = ": ".join(filter(None, (heading(title, changed), impossible_figures(result))))
+    first, doubted = heading(title, changed), impossible_figures(result)
+    marked = ": ".join(filter(None, (first, doubted)))
+    if len(wrapped(printable(marked)).splitlines()) == 1:  # else the status has the mark, which a title would push out
+        first, doubted = marked, ""
     if first:
         say(_cut_to_lines(printable(first), 1))
     if changed:
         print_text(", ".join(changed))
-    told = f"; {result.message}" if result.message else ""
-    say(_cut_to_lines(printable(f"status: {result.status}{told}"), MOST_LINES))
+    status = "; ".join(filter(None, (result.status, doubted, result.message)))
+    say(_cut_to_lines(printable(f"status: {status}"), MOST_LINES))
     if result.warnings:
         say(_cut_to_lines(printable(f"warning: {result.warnings[0]}"), MOST_LINES))
     there = [name for name in FIRST_FIGURES if result.performance.get(name) is not None]

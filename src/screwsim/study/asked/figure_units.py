@@ -63,6 +63,14 @@ def bare_percent(figure: str, number: str, kind: str) -> str:
     return f"is {100.0 * float(number):g} % (write {number} %, or {float(number) / 100.0:g})"
 
 
+def percent_are_points(figure: str, in_percent: bool) -> bool:
+    """Return whether an uncertainty in % is one in points: of an efficiency, or of a value that is itself in %.
+
+    Of any other figure, also of a COP or a ratio, it is a share of the value.
+    """
+    return in_percent or declared(figure).scale == EFFICIENCY
+
+
 def quantity_of(figure: str, kind: str, unit: str) -> Kind | None:
     """Return the dimension of a figure, or of its uncertainty, among those of scenes that know the unit; else None.
 

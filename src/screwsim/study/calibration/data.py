@@ -29,7 +29,14 @@ from screwsim.scene.units import (
 )
 from screwsim.scene.values import convert_cell, shown
 from screwsim.scene.yaml_tree import LocatedFault, LocatedFaults, Position
-from screwsim.study.asked.figure_units import CELSIUS, UNITS, bare_percent, quantity_of, units_of
+from screwsim.study.asked.figure_units import (
+    CELSIUS,
+    UNITS,
+    bare_percent,
+    percent_are_points,
+    quantity_of,
+    units_of,
+)
 from screwsim.study.calibration.fit import Measurement, Point
 
 MOST_POINTS = 10_000  # per fit
@@ -183,6 +190,10 @@ def _columns(
         if column.kind == "uncertainty" and not column.unit and column.of in in_percent:
             own = column.of + UNCERTAINTY_SUFFIX
             problems.add(place, own, f"has no unit beside {column.of} [%] (write {own} [%], or [1] for a share)")
+    found = [(_with_its_percent(column, column.of in in_percent), place) for column, place in found]
+    for column, place in found if candidates else ():
+        if column.relative:
+            problems.add(place, column.of, f"has no value of which {column.unit} are a share (write [1], its own unit)")
     if not candidates and not any(kind == "figure" for kind, _ in names) and not problems:
         problems.add(cells[0][1], "data", f"has no column of a measured figure (known: {', '.join(_figures(scene))})")
     return found
@@ -199,6 +210,16 @@ def _covered(column: _Column, head: str) -> _Column:
     if rest != head and column.kind != "uncertainty":
         raise Refused(f"has a coverage factor, which only a column …{UNCERTAINTY_SUFFIX} may have (remove it)")
     return replace(column, coverage=coverage)
+
+
+def _with_its_percent(column: _Column, in_percent: bool) -> _Column:
+    """Return a column with what its % are, points or a share, if it is an uncertainty of a figure without dimension.
+
+    `in_percent` tells that the values of the figure are in %.
+    """
+    if column.kind != "uncertainty" or column.unit != "%" or percent_are_points(column.of, in_percent):
+        return column
+    return replace(column, relative=True)
 
 
 def _column(name: str, unit: str, scene: Scene, taken: Sequence[str], candidates: bool) -> _Column:

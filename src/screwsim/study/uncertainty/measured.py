@@ -31,6 +31,7 @@ from screwsim.scene.units import (
     without_gauge,
 )
 from screwsim.scene.values import shown, within
+from screwsim.study.asked.figure_units import percent_are_points
 from screwsim.study.asked.figures import figure_of
 from screwsim.study.asked.goals import of_ambient, read_figure, refuse_twice
 from screwsim.study.asked.inputs import unit_behind
@@ -172,10 +173,7 @@ def _read(scene: Varied, text: str) -> MeasuredFigure:
 
 
 def _size(figure: str, number: float, value: str, text: str, where: str) -> float:
-    """Return an uncertainty [SI] from its text; percent are of the value.
-
-    For a figure that is itself stated in percent, as an efficiency, they are percentage points.
-    """
+    """Return an uncertainty [SI] from its text; percent are of the value, or points (`percent_are_points`)."""
     unit, own = unit_behind(text), unit_behind(value)
     if not unit and own:  # 132 kW ± 2, 90 degC ± 2
         text = f"{text} {'K' if declared(figure).units == 'K' and tidy_unit(own) == 'degC' else without_gauge(own)}"
@@ -185,7 +183,7 @@ def _size(figure: str, number: float, value: str, text: str, where: str) -> floa
         raise UsageError(f"{where}: a percentage of a temperature depends on its zero (write kelvin, e.g. ± 2 K)")
     if unit == "%" and is_gauge(value):
         raise UsageError(f"{where}: a percentage of a gauge pressure depends on its zero (write e.g. ± 0.1 bar)")
-    if unit == "%" and own != "%":
+    if unit == "%" and not percent_are_points(figure, own == "%"):
         share = re.fullmatch(rf"({NUMBER})\s*%", text)
         size = 0.01 * float(share[1]) * abs(number) if share else math.nan
     else:
