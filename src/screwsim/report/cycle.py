@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.figures.indicated import Indicated
 from screwsim.report import style
 from screwsim.report.annotate import label_points
-from screwsim.report.indicated import Indicated, draw_over_angle, draw_over_volume
+from screwsim.report.indicated import draw_over_angle, draw_over_volume
 from screwsim.report.quantities import ANGLE, GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
 from screwsim.report.style import COLOURS, DASHES, GREY, SINGLE, SMALL, note, plain_ticks, subplots
 from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limit
