@@ -125,7 +125,7 @@ def test_a_figure_that_is_asked_of_the_results_themselves_says_where_it_is(singl
     found = open_results(single)
     with pytest.raises(AttributeError, match=r"'shaft_power': performance\['shaft_power'\] has it; to_xarray\(\)"):
         found.shaft_power  # noqa: B018 - the access is what is tried
-    with pytest.raises(AttributeError, match="^results have no attribute 'beauty'$"):
+    with pytest.raises(AttributeError, match=r"^results have no attribute 'beauty'$"):
         found.beauty  # noqa: B018
 
 
