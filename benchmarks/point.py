@@ -166,18 +166,19 @@ def course_table() -> None:
 
 
 def effects_table(scene: Scene) -> None:
-    """Print each effect's cost in time and its change of the efficiency, by leaving it out."""
+    """Print each effect's cost, in time and evaluations, and its change of the efficiency, by leaving it out."""
     print("\nWhat each effect costs and changes (left out, one at a time)")
     full, ms_full = timed(scene)
     eta = full.performance.isothermal_efficiency
-    print(f"{'all':>20} {ms_full:>8.2f} ms  eta {eta:.4f}")
+    print(f"{'all':>28} {ms_full:>8.2f} ms {full.numerics.rhs_evaluations:>7} evaluations  eta {eta:.4f}")
     for name in scene.effects:
         if name in ("suction_port", "discharge_port"):
             continue
         rest = {key: value for key, value in scene.effects.items() if key != name}
         result, ms = timed(replace(scene, effects=rest))
         change = 100.0 * ((result.performance.isothermal_efficiency or np.nan) - eta)
-        print(f"{'without ' + name:>28} {ms:>8.2f} ms ({ms / ms_full - 1.0:+.0%})  {change:+.2f} points")
+        count = result.numerics.rhs_evaluations
+        print(f"{'without ' + name:>28} {ms:>8.2f} ms {count:>7} evaluations  {change:+.2f} points")
 
 
 def command_times(scene_path: Path) -> None:

@@ -1,16 +1,17 @@
 """Make the data of the worked examples in configs/calibration from machines whose parameters are known.
 
-    python docs/tools/calibration_example.py -> points.csv, later.csv, less_oil.csv, both.csv, stuck.csv, sheet.csv
-        of configs/calibration
+    python docs/tools/calibration_example.py -> points.csv, later.csv, less_oil.csv, both.csv, stuck.csv, sheet.csv,
+        indicator.csv with its two files of pressures, of configs/calibration
     screwsim calibrate configs/calibration/leakage.fit.yaml
     screwsim diagnose configs/calibration/fault.fit.yaml
 
 The points of later.csv are those of the machine of configs/paper after its tip gap has grown by 10 um, those of
 less_oil.csv with two thirds of its oil, those of both.csv with both faults. Those of stuck.csv are of the machine of
 configs/control whose slide, commanded to 0.3 of its travel (slide.yaml), has stuck at 0.15. sheet.csv is a table of
-capacity and power, as makers state them, of a machine with wider gaps and more friction than sheet.yaml. Noise is
+capacity and power, as makers state them, of a machine with wider gaps and more friction than sheet.yaml. indicator.csv
+names pressures over the angle of a machine whose tip gap and discharge port differ from configs/paper. Noise is
 normal, of the standard deviation that the files state as uncertainty (0.5 % of flow and power, 0.5 K; 1 % of the
-table), seed 1.
+table; 0.05 bar), seed 1.
 """
 
 from __future__ import annotations
@@ -49,6 +50,10 @@ GAPS = ("tip_leakage", "interlobe_leakage", "end_face_leakage")
 WIDER = {**{f"effects.{gap}.gap": 33e-6 for gap in GAPS}, "effects.mechanical.fraction": 0.12}  # of 26 um and 0.096
 TABLE = tuple((evaporating, condensing) for evaporating in (-10.0, 0.0, 5.0) for condensing in (30.0, 40.0, 50.0))
 CHECKED, TABLE_SHARE = (0.0, 40.0), 0.01
+INDICATOR = POINTS.with_name("indicator.csv")
+THROTTLED = {"effects.tip_leakage.gap": 40e-6, "effects.discharge_port.flow_coefficient": 0.6}
+ANGLES = np.arange(450.0, 711.0, 10.0)  # [degree], from closed suction to the end of discharge
+INDICATED_SPEEDS, BAR = (1000.0, 3000.0), 0.05
 COMMENT = (
     "# Made by docs/tools/calibration_example.py from a known machine, with noise of the stated uncertainties (seed 1)."
 )
@@ -122,6 +127,24 @@ def sheet_text() -> str:
     return written(found)
 
 
+def indicator_texts() -> dict[Path, str]:
+    """Return the file of the indicated points, and those of their pressures over the angle."""
+    random, machine = np.random.default_rng(1), with_values(load(SCENE, ["numerics.accuracy=1e-5"]), THROTTLED)
+    found, files = [], {}
+    for speed in INDICATED_SPEEDS:
+        cycle = simulate(with_values(machine, {"operation.speed": speed * RPM})).cycle
+        true = 1e-5 * np.interp(ANGLES, cycle["angle"], cycle["pressure"])
+        noisy = true + BAR * random.standard_normal(len(true))
+        pressures = [
+            {"angle_deg": f"{angle:g}", "pressure_bar": f"{p:.3f}"} for angle, p in zip(ANGLES, noisy, strict=True)
+        ]
+        file = INDICATOR.with_name(f"indicator_{speed:.0f}.csv")
+        files[file] = written(pressures)
+        row = {"name": f"{speed:.0f} rpm", "operation.speed [rpm]": f"{speed:g}", "indicator": file.name}
+        found.append({**row, "indicator_uncertainty [bar]": f"{BAR:g}"})
+    return {INDICATOR: written(found), **files}
+
+
 def written(found: Sequence[Mapping[str, str]]) -> str:
     """Return rows as a file."""
     stream = io.StringIO()
@@ -135,6 +158,6 @@ if __name__ == "__main__":
     faults = {LATER: text(GROWN, None), LESS: text(LITTLE_OIL, None), STUCK: text(STILL, None, CONTROL)}
     faults[BOTH] = text({**GROWN, **LITTLE_OIL}, None)
     faults[SHEET.with_suffix(".csv")] = sheet_text()
-    for file, made in {POINTS: text(), **faults}.items():
+    for file, made in {POINTS: text(), **faults, **indicator_texts()}.items():
         file.write_text(made, encoding="utf-8")
         print(file)

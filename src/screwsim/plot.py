@@ -15,11 +15,13 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
+from screwsim.figures.indicated import read_indicated
 from screwsim.inputs.arguments import checked_arguments
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.report import cycle, entropy, families, maps, style, sweeps
 from screwsim.report import plot as write
+from screwsim.report.indicated import at_angles, draw_over_angle, draw_over_volume
 from screwsim.report.quantities import shown_axis, shown_figure
 from screwsim.report.trace import Trace, chosen_trace, trace_of
 from screwsim.results import Results, open_results
@@ -43,22 +45,33 @@ _HIDDEN = "_cycle "  # before the name of a line that no legend tells yet: matpl
 CycleLike = Result | Results | str | os.PathLike[str]
 
 
-def pressure_volume(result: CycleLike, ax: Any = None, **line: Any) -> Any:
+def pressure_volume(
+    result: CycleLike, ax: Any = None, *, measured: str | os.PathLike[str] | None = None, **line: Any
+) -> Any:
     """Draw the pressure–volume loop with the pressures of both lines and marks; return the axes.
 
     `line` are properties of the loop's line (color, linestyle, label, …), to tell several in the same axes apart. A
     label gives the axes a legend, and so does a second loop; one without a label is called as its file. Marks are
     those of the first loop. Of a sweep it is the best case; `open_results(file).showing({path: value})` has another.
+    `measured` is the path of a file of measured pressures over angle or volume (docs/how-to/indicator.md).
     """
-    return _drawn(cycle.draw_loop, result, ax, line)
+    points = None if measured is None else at_angles(read_indicated(measured), _trace(result))
+    axes = _drawn(cycle.draw_loop, result, ax, line)
+    if points is not None:
+        draw_over_volume(axes, points, _trace(result))
+    return axes
 
 
 pv = pressure_volume
 
 
-def pressure(result: CycleLike, ax: Any = None, **line: Any) -> Any:
-    """Draw the chamber's pressure over the angle; return the axes. `line` as of `pressure_volume`."""
-    return _drawn(cycle.draw_pressure, result, ax, line)
+def pressure(result: CycleLike, ax: Any = None, *, measured: str | os.PathLike[str] | None = None, **line: Any) -> Any:
+    """Draw the chamber's pressure over the angle; return the axes. `measured` and `line` as of `pressure_volume`."""
+    points = None if measured is None else at_angles(read_indicated(measured), _trace(result))
+    axes = _drawn(cycle.draw_pressure, result, ax, line)
+    if points is not None:
+        draw_over_angle(axes, points)
+    return axes
 
 
 def temperatures(result: CycleLike, ax: Any = None) -> Any:

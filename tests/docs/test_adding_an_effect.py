@@ -10,11 +10,14 @@ import pytest
 from screwsim import scene as scenes
 from screwsim.build import build_parts
 from screwsim.explain import explain
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.faults import SceneError
 from screwsim.model.compose import compose
 from screwsim.simulate import simulate
 
 PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "adding-an-effect.md").read_text(encoding="utf-8")
 NAME = "my_effects.suction_leak"
+POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 MACHINE = """\
 machine:
   rotor_diameter: 160 mm
@@ -39,10 +42,12 @@ def folder(tmp_path_factory):
     """Lay out what the page shows: the effect, a scene that names it, its test."""
     folder = tmp_path_factory.mktemp("page")
     (folder / "my_effects").mkdir()
-    effect, vessel, test = blocks("python")
-    (yaml,) = blocks("yaml")
+    effect, vessel, heat, test = blocks("python")
+    yaml, heated = blocks("yaml")
     (folder / "my_effects" / "suction_leak.py").write_text(effect, encoding="utf-8")
     (folder / "my_effects" / "vessel.py").write_text(vessel, encoding="utf-8")
+    (folder / "my_effects" / "droplet_heat.py").write_text(heat, encoding="utf-8")
+    (folder / "heated.yaml").write_text(f"base: {POINT}\n{heated}", encoding="utf-8")
     scene = f"{MACHINE}{yaml.rstrip()}\n  suction_port:\n  discharge_port:\n"
     (folder / "scene.yaml").write_text(scene, encoding="utf-8")
     (folder / "page_test.py").write_text(test, encoding="utf-8")
@@ -109,6 +114,32 @@ def test_a_vessel_of_ones_own_gives_gas_and_the_balances_close(folder):
     assert result.performance.vessel_mass_flow > 0.0
     assert result.ledger[f"gas_moved_{name}"] >= result.performance.vessel_mass_flow
     assert "my vessel plenum (5 bar, 26.85 °C" in " ".join(str(explain(scene)).split())
+
+
+def test_a_law_of_heat_of_ones_own_is_that_of_droplets_where_its_numbers_are(folder):
+    name, prandtl = "my_effects.droplet_heat", 0.8
+    factor = f"effects.{name}.factor={0.6 * prandtl ** (1.0 / 3.0)!r}"
+    own = simulate(scenes.load(folder / "heated.yaml", [factor]))
+    droplets = {"diameter": "40 um", "slip": 0.1, "gas_conductivity": "0.012 W/(m K)", "gas_viscosity": "11 uPa s"}
+    sets = [f"effects.droplets={droplets | {'size': 'fixed', 'prandtl': prandtl}}", "effects.oil_heat=off"]
+    ours = simulate(scenes.load(POINT, sets))
+    assert own.status == ours.status == "ok"
+    for figure in ("shaft_power", "gas_mass_flow", "oil_discharge_temperature"):
+        assert own.performance[figure] == pytest.approx(ours.performance[figure], rel=1e-9), figure  # rounding
+    assert own.ledger[f"energy_moved_{name}"] == pytest.approx(ours.ledger.energy_moved_droplets, rel=1e-9)
+
+
+def test_a_law_of_heat_of_ones_own_does_not_count_the_same_heat_twice(folder):
+    with pytest.raises(SceneError, match=r"droplet_heat: is the heat of effects\.oil_heat, too"):
+        scenes.load(
+            folder / "heated.yaml", ["effects.oil_heat={droplet_radius: 9 um, heat_transfer_coefficient: 1 W/(m^2 K)}"]
+        )
+
+
+def test_the_page_lists_every_kind_of_quantity():
+    listed = re.search(r"The kinds of `quantity` are(.*?)\.\n", PAGE, re.S)[1]
+    words = re.sub(r"\([^)]*\)", "", listed).replace(" and ", ", ")
+    assert [word.strip() for word in words.split(",")] == list(KINDS)
 
 
 def test_schema_allows_it_by_its_dotted_name():

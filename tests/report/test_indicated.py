@@ -3,17 +3,15 @@
 import numpy as np
 import pytest
 
+from screwsim.figures.indicated import Indicated, IndicatedVolumes, read_indicated
 from screwsim.inputs.faults import UsageError
 from screwsim.report.indicated import (
-    Indicated,
-    IndicatedVolumes,
     at_angles,
     check_angles,
     check_volumes,
     deviation_in_words,
     draw_over_angle,
     draw_over_volume,
-    read_indicated,
     shift_in_words,
 )
 from screwsim.report.trace import Trace

@@ -14,6 +14,7 @@ from result_fakes import SCENE
 import screwsim
 from screwsim import load, plot, simulate
 from screwsim.build import build_parts
+from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
 from screwsim.report import cycle
 from screwsim.report import plot as draw_figures
@@ -52,6 +53,25 @@ def test_the_loop_is_that_of_the_cycle(closed, axes):
     np.testing.assert_allclose(drawn.get_ydata(), closed.cycle["pressure"] * 1e-5)
     np.testing.assert_allclose(drawn.get_xdata(), closed.cycle["volume"] * 1e6)
     assert axes.get_xlabel() and axes.get_ylabel()
+
+
+@pytest.mark.parametrize(("draw", "over"), [(plot.pv, "volume"), (plot.pressure, "angle")])
+def test_measured_pressures_lie_where_the_cycle_has_their_angle(closed, axes, tmp_path, draw, over):
+    (tmp_path / "p.csv").write_text("angle_deg,pressure_bar\n400,1.5\n600,6\n", encoding="utf-8")
+    draw(closed, ax=axes, measured=tmp_path / "p.csv")
+    (points,) = (line for line in axes.get_lines() if line.get_label() == "measured")
+    factor = 1e6 if over == "volume" else 1.0
+    there = np.interp([400.0, 600.0], closed.cycle["angle"], closed.cycle[over]) * factor
+    np.testing.assert_allclose(points.get_xdata(), there)
+    np.testing.assert_allclose(points.get_ydata(), [1.5, 6.0])
+    assert [text.get_text() for text in legend(axes)[0]] == ["measured"]
+
+
+def test_measured_pressures_that_cannot_be_read_leave_the_axes_empty(closed, axes, tmp_path):
+    (tmp_path / "p.csv").write_text("angle,pressure\n400,1.5\n", encoding="utf-8")
+    with pytest.raises(UsageError, match="needs angle_deg or one volume"):
+        plot.pv(closed, ax=axes, measured=tmp_path / "p.csv")
+    assert not axes.get_lines()
 
 
 def test_two_loops_in_the_same_axes_are_told_apart(closed, axes):

@@ -121,6 +121,25 @@ def test_a_knock_out_opens_in_xarray(engine, tmp_path):
     assert float(own.shaft_power.sel(effect="tip_leakage")) == 9.0
 
 
+def test_a_figure_that_is_asked_of_the_results_themselves_says_where_it_is(single):
+    found = open_results(single)
+    with pytest.raises(AttributeError, match=r"'shaft_power': performance\['shaft_power'\] has it; to_xarray\(\)"):
+        found.shaft_power  # noqa: B018 - the access is what is tried
+    with pytest.raises(AttributeError, match=r"^results have no attribute 'beauty'$"):
+        found.beauty  # noqa: B018
+
+
+@pytest.mark.parametrize("kind", ["performance", "error", "ledger"])
+def test_a_figure_that_is_missing_says_so_by_index_as_by_attribute(kind):
+    of = getattr(fake_simulate(scene()), kind)
+    with pytest.raises(AttributeError) as by_attribute:
+        of.beauty  # noqa: B018
+    with pytest.raises(KeyError) as by_index:
+        of["beauty"]
+    assert by_index.value.args == by_attribute.value.args
+    assert "no figure 'beauty'" in by_index.value.args[0]
+
+
 def test_a_run_without_a_knock_out_stores_none(single):
     assert len(open_results(single).knock_out) == 0
 

@@ -58,6 +58,26 @@ def test_a_known_machine_is_found_within_its_standard_errors():
     assert found.certainty.open == ()
 
 
+def test_the_pressures_are_those_of_the_script():
+    for file, text in example().indicator_texts().items():
+        stored, made = file.read_text(encoding="utf-8").splitlines(), text.splitlines()
+        if file.name == "indicator.csv":
+            assert stored == made
+            continue
+        assert stored[:2] == made[:2]
+        pairs = [[[float(cell) for cell in line.split(",")] for line in lines[2:]] for lines in (stored, made)]
+        assert np.array(pairs[0]) == pytest.approx(np.array(pairs[1]), abs=2e-3)  # written to 1e-3 bar, solved to 1e-5
+
+
+def test_the_gap_and_the_port_of_an_indicated_machine_are_found():
+    module = example()
+    fit = replace(read_fit(FOLDER / "indicator.fit.yaml"), starts=1)
+    found = calibrate(fit, jobs=1)
+    assert found.status == "ok"
+    for (path, true), error in zip(module.THROTTLED.items(), found.certainty.errors, strict=True):
+        assert abs(found.values[path] - true) <= error, path  # seed 1, as above
+
+
 @pytest.mark.parametrize(
     ("file", "data", "paths", "truth"),
     [

@@ -41,6 +41,7 @@ def test_claims_come_out_as_documented(figures):
 def test_table_names_every_claim(figures):
     text = table(claims(*figures))
     assert [line[:2] for line in text.splitlines() if not line.startswith(" ")] == [f"A{i}" for i in range(1, 8)]
+    assert max(map(len, text.splitlines())) <= 80
 
 
 def test_optimum_of_a_parabola_in_the_logarithm_is_its_vertex():

@@ -43,7 +43,7 @@ DISK_FULL_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # error
 
 app = typer.Typer(
     name="screwsim",
-    help="Simulate oil-flooded twin-screw compressors, chamber by chamber.",
+    help="Simulate oil-flooded twin-screw compressors, chamber by chamber; expanders and cylinders, too.",
     epilog="Exit codes: 0 ok, 1 internal error, 2 usage, 3 bad scene, 4 some cases failed or did not close, "
     "130 interrupted. A pipe that closes early (| head) changes none of them.",
     add_completion=False,

@@ -56,8 +56,9 @@ def plot(
     if measured is None:
         options.print_files(drawn(results_file, folder, at=asked))
         return
+    from screwsim.figures.indicated import read_indicated
     from screwsim.printing.tables import print_text
-    from screwsim.report.indicated import at_angles, deviation_in_words, read_indicated, shift_in_words
+    from screwsim.report.indicated import at_angles, deviation_in_words, shift_in_words
     from screwsim.report.trace import best_case, chosen_trace
     from screwsim.results import open_results
 

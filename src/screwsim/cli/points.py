@@ -267,6 +267,7 @@ def explain(
     without: Texts = WITHOUT,
     code: bool = switch("--code", "Print the code that is compiled for the scene, or those of its functions."),
     parameters: bool = switch("--parameters", "List every key with its unit, default, range and meaning."),
+    sources: bool = switch("--sources", "List what to cite: program, gas, and the source of each effect."),
 ) -> None:
     """List what is simulated and what is left out, for a scene or two stages in series."""
     from screwsim.scene.file_kinds import is_stages
@@ -275,10 +276,11 @@ def explain(
         kind = "--code" if re.fullmatch(r"[MS]\d+", names[0]) else "--parameters"
         what = "only --parameters and --code take a name"
         raise UsageError(f"{names[0]}: {what} (write screwsim explain {quote(scene_file)} {kind} {names[0]})")
-    if parameters and code:
-        raise UsageError("--parameters and --code exclude each other (remove one of the two)")
+    asked = [each for each, on in (("--parameters", parameters), ("--code", code), ("--sources", sources)) if on]
+    if len(asked) > 1:
+        raise UsageError(f"{asked[0]} and {asked[1]} exclude each other (remove one of the two)")
     if is_stages(scene_file):
-        named = {"--without": without, "--code": code, "--parameters": parameters}
+        named = {"--without": without, "--code": code, "--parameters": parameters, "--sources": sources}
         options.refuse_for_stages(scene_file, "explain", named)
         from screwsim.study.stages import explain_stages, read_stages
 
@@ -289,6 +291,11 @@ def explain(
         from screwsim.explain.parameters import parameters as keys
 
         say(keys(scene, names or ()))
+        return
+    if sources:
+        from screwsim.explain.sources import sources as cited
+
+        say(cited(scene))
         return
     import screwsim.explain as explained
 

@@ -6,7 +6,8 @@ limit; or what the gas on flanks and end faces and the contact load each rotor w
 With `male` or `female` that rotor's bearings are told one by one: what each carries (M480), with its friction (M481),
 and its rating life (M482–M484; `effects.parts.bearing_set`).
 Source: SKF, Rolling bearings (general catalogue), estimating the frictional moment: μ_f 0.0010 to 0.0020 by kind of
-bearing; load-independent and load-dependent moment: A. Palmgren, Grundlagen der Wälzlagertechnik, 1957.
+bearing; load-independent and load-dependent moment: A. Palmgren, Grundlagen der Wälzlagertechnik, 1957;
+rating life: ISO 281:2007.
 Assumptions: without `load: rotors` the female rotor carries `female_load` times the male's load; its bearings have the
 same size; no seals or weights; the bearings of a rotor that are not named one by one share its load as one, without a
 balance piston.

@@ -4,7 +4,8 @@ What: nozzle flow (M12) through the port area over the angle, law (18) or a tabl
 exponent the gas has to accelerate the oil that it carries, which costs pressure: separated flow through an orifice
 (M430).
 Source: Chernov et al. 2015, eqs. (3), (4), (18); the middle branch of (18) is corrected: its printed form is
-discontinuous (docs/model.md M18). With oil: Murdock 1962, Chisholm 1977.
+discontinuous (docs/model.md M18). With oil: J. W. Murdock, Two-phase flow measurement with orifices, J. Basic Eng. 84
+(1962) 419; D. Chisholm, Two-phase flow through sharp-edged orifices, J. Mech. Eng. Sci. 19 (1977) 128.
 Assumptions: the discharge plenum keeps the pressure of the discharge line; gas that flows back has the given
 temperature, or else the flow-weighted mean of the outflow, found together with the cycle. With oil: it approaches the
 port at rest, as the gas does; oil that the rotors throw through the port is not modelled.

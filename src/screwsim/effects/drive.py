@@ -4,8 +4,9 @@ What: two inertias on a shaft (M210), the coupling between them (M211: a linear 
 docs/reference/coupling.md; viscous damping), the motor's line (M212), and on the rotors the gas torque M144 and the
 torque of the losses (M213); their periodic motion (M214), found together with the cycle (M217), its energies (M215) and
 the torsional frequency (M216).
-Source: two-mass oscillator (textbook); V. A. Ilyichev, V. S. Korneev, S. A. Korneev 2015 for the rubber cords; M. Kloss
-1916 for the induction motor.
+Source: two-mass oscillator (textbook); for the rubber cords V. A. Ilyichev, V. S. Korneev, S. A. Korneev: Discrete
+mathematical model of a rubber-cord flat coupling, Omsk Scientific Bulletin, 2015 (in Russian); M. Kloss 1916 for the
+induction motor.
 Assumptions: rotors without play, the female's inertia referred to the male shaft; of a cylinder no torque accelerates
 piston and rod; losses are a constant torque of their mean power; damping is viscous; the motor's torque follows its
 speed at once. docs/reference/drive.md says when it matters.

@@ -5,7 +5,8 @@ loss of the line, or by a stated pressure before the bore, against that of the c
 the loss of pipe, filter and cooler is proportional to the square of the flow (M392). Pumped oil: the flow that the pump
 displaces, whatever the chamber's pressure (M194), against which it works (M255). The oil mixes into the chamber
 continuously (M105).
-Source: orifice: Lichtarowicz et al. 1965; the window and its ramps are ours.
+Source: orifice: A. Lichtarowicz, R. K. Duggins, E. Markland, J. Mech. Eng. Sci. 7 (1965) 210; the window and its ramps
+are ours.
 Assumptions: quasi-steady; a check valve keeps gas out of the oil line, so nothing flows back; one bore sees one chamber
 while it passes, so a window is as long as a lobe pitch of the rotor on whose side the bore lies. The bore's C_d is not
 changed by a line; the energy that the line dissipates stays in the oil as heat.

@@ -9,8 +9,9 @@ ports (M230); oil that holds more than in equilibrium releases it with that time
 less absorbs gas with `absorption_time`, if that is stated. In the separator the oil absorbs that gas again, so that
 delivery equals suction; the machine compresses the flashed gas for nothing. With `films_at` it makes the oil thinner in
 films (bearings, oil drag, the viscous term of hydromechanical losses) and in the pump's line (M199).
-Source: Heil's model with the constants of J. J. Grebner, 1992; flash, rate and balances ours. No source gives the time
-constants of oil in a screw compressor's chamber: they are assumptions.
+Source: model: J. F. Heil, J. M. Prausnitz, AIChE J. 12 (1966) 678; constants: J. J. Grebner, 1992; by measured points:
+P. J. Flory, J. Chem. Phys. 10 (1942) 51, M. L. Huggins, Ann. N. Y. Acad. Sci. 43 (1942) 1; flash, rate and balances
+ours. No source gives the time constants of oil in a screw compressor's chamber: they are assumptions.
 Assumptions: the oil's density and heat capacity are those of pure oil, its viscosity, too, except where `films_at`
 changes it, and always in bores, drops and gaps; films hold what is supplied, or what they have in equilibrium with gas
 of the line that `films_at` names where that is less; no gas is taken up between separator and port. Flash in the port:

@@ -16,6 +16,7 @@ from typing import Any
 from screwsim.effects import catalogue, having, imported
 from screwsim.effects.base import Effect, PowerLoss, Reading, SuctionChange
 from screwsim.effects.parts.oil import oil_in_chambers
+from screwsim.figures.indicated import pressure_figure
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import ImpossibleValue, UsageError
 from screwsim.model.parts import Parts
@@ -62,13 +63,17 @@ class Performance(ListedFigures):
         self.about = about
 
     def __getattr__(self, name: str) -> Any:
-        if name in self or name.startswith("__") or name == "about":
-            return super().__getattr__(name)
-        if name in self.about:
-            raise AttributeError(f"no figure {name!r} here: the case failed (see its message)")
-        if needs := needs_of(name):
-            raise AttributeError(f"no figure {name!r} here: it needs {needs}")
+        if name.startswith("__") or name == "about":  # not there yet, as where a copy is being made
+            raise AttributeError(name)
         return super().__getattr__(name)
+
+    def lacks(self, name: str) -> str:
+        """Return in words why there is no such figure."""
+        if name in self.about:
+            return f"no figure {name!r} here: the case failed (see its message)"
+        if needs := needs_of(name):
+            return f"no figure {name!r} here: it needs {needs}"
+        return super().lacks(name)
 
     def described(self, name: str) -> ShownFigure | None:
         """Return unit and meaning of a figure; None where it is not declared."""
@@ -89,10 +94,10 @@ def known() -> dict[str, Figure]:
 def declaration(name: str, figures: Any = None) -> Figure | None:
     """Return the declaration of a figure: of the results `figures`, of this program, or of an imported user effect.
 
-    Those of this program include the figures that only two stages have.
+    Those of this program include the figures that only two stages have, and pressures at angles.
     """
     about: Mapping[str, Figure] = getattr(figures, "about", {})
-    found = about.get(name) or known().get(name) or STAGES.get(name)
+    found = about.get(name) or known().get(name) or STAGES.get(name) or pressure_figure(name)
     if found is None:
         found = next((each for effect in imported().values() for each in effect.figures if each.name == name), None)
     return found

@@ -17,15 +17,21 @@ class Figures(dict[str, Any]):
     """
 
     def __getattr__(self, name: str) -> Any:
-        try:
-            value = self[name]
-        except KeyError:
-            offer = nearest(name, self)
-            hint = f"did you mean {offer!r}?" if offer else f"known: {', '.join(self)}"
-            raise AttributeError(f"no figure {name!r}; {hint}") from None
+        if name not in self:
+            raise AttributeError(self.lacks(name))
+        value = self[name]
         if isinstance(value, float) and (about := self.described(name)):
             return Value(value, about)
         return value
+
+    def __missing__(self, name: str) -> Any:
+        raise KeyError(self.lacks(name))
+
+    def lacks(self, name: str) -> str:
+        """Return in words that there is no such figure, with the nearest one or all."""
+        offer = nearest(name, self)
+        hint = f"did you mean {offer!r}?" if offer else f"known: {', '.join(self)}"
+        return f"no figure {name!r}; {hint}"
 
     def copy(self) -> Self:
         """Return the same figures in a mapping of this kind."""

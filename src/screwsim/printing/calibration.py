@@ -4,26 +4,22 @@ import math
 import os
 from collections.abc import Iterator
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from screwsim.figures import declared
-from screwsim.figures.engineering import difference_unit, reading_unit, shown_name
+from screwsim.figures.engineering import shown_name
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import counted
-from screwsim.outputs.customary import digits
 from screwsim.outputs.display import grouped, picked
 from screwsim.printing import write_json
+from screwsim.printing.fitted_points import lines_of_points, pictures
 from screwsim.printing.tables import (
-    plain_table,
     print_scene_title,
     print_table,
     print_text,
     print_wrapped,
     shown_chance,
 )
-from screwsim.report.calibration import residuals_figure
 from screwsim.report.style import write_all
 from screwsim.results.atomic import make_folder, write_text
 from screwsim.results.protection import protect_other_json, protect_other_text
@@ -40,7 +36,7 @@ from screwsim.study.calibration.solve import Calibration, ComparedMeasurement
 from screwsim.study.scene_files import FITTED_LINE, fitted_text, refuse_base
 from screwsim.study.uncertainty.spreads import not_included
 
-SCENE, DOCUMENT, FIGURE = "scene.yaml", "fit.json", "residuals"
+SCENE, DOCUMENT = "scene.yaml", "fit.json"
 # share of chi squared that at most one number in ten, or one of fewer than twenty, makes up, if it is named
 MOST_OF_MISFIT, OUTLIERS_OF = 0.5, 10
 FACTOR_FROM = 2.0  # change of a parameter from which on it is told as a factor
@@ -162,7 +158,7 @@ def print_calibration(found: Calibration) -> None:
         paths = ", ".join(found.fit.parameters[i].path for i in group)
         print_text(f"too large or too small together, by the scene's uncertainty.correlated: {paths}")
     say()
-    say("\n".join(_points(found)))
+    say("\n".join(lines_of_points(found.compared)))
     say()
     print_wrapped((*_quality(found), *_warnings(found)))
 
@@ -248,21 +244,6 @@ def _per_unit(found: Calibration, parameter: Parameter) -> float:
     """Return the number of customary units per SI unit, for differences of values."""
     ends = [in_customary(found.fit.scene, parameter.path, each)[0] for each in (parameter.low, parameter.high)]
     return (ends[1] - ends[0]) / (parameter.high - parameter.low)
-
-
-def _points(found: Calibration) -> list[str]:
-    rows = []
-    for each in found.compared:
-        factor, unit, zero = reading_unit(declared(each.figure), each.measured.value)
-        ours = "none" if each.ours is None else digits(factor * each.ours - zero)
-        residual = "" if each.residual is None else f"{each.residual:+.2f}"
-        measured = digits(factor * each.measured.value - zero)
-        head = [each.point.name + ("" if each.point.fitted else " *"), shown_name(each.figure)]
-        rows.append([*head, measured, f"{factor * each.measured.uncertainty:.2g}", ours, unit, residual])
-    lines = plain_table(["point", "figure", "measured", "± (k=1)", "fitted", "", "residual /±"], rows, 2)
-    if not all(each.point.fitted for each in found.compared):
-        lines.append("* not fitted, only predicted")
-    return lines
 
 
 def _quality(found: Calibration) -> Iterator[str]:
@@ -354,24 +335,5 @@ def write_calibration(found: Calibration, folder: Path) -> list[str]:
     written = [write_json(calibration_document(found), folder / DOCUMENT)]
     if found.values:
         written.append(write_text(folder / SCENE, fitted_text(found, folder)))
-        written += write_all({FIGURE: partial(residuals_figure, _panels(found), _points_shown(found))}, folder)
+        written += write_all(pictures(found), folder)
     return written
-
-
-def _points_shown(found: Calibration) -> list[str]:
-    return [point.name for point in found.fit.points if point.measured]
-
-
-def _panels(found: Calibration) -> dict[str, list[tuple[int, bool, float, float]]]:
-    """Return {label of a figure: [(number of the point, fitted, residual, uncertainty)]} in the unit of the label."""
-    names = _points_shown(found)
-    panels: dict[str, list[tuple[int, bool, float, float]]] = {}
-    for figure, of in grouped((each.figure, each) for each in found.compared).items():
-        factor, unit = difference_unit(declared(figure), max(abs(each.measured.value) for each in of))
-        label = f"{shown_name(figure)} ({unit})" if unit else shown_name(figure)
-        panels[label] = []
-        for each in of:
-            number, (value, uncertainty) = names.index(each.point.name), each.measured
-            if each.ours is not None:
-                panels[label].append((number, each.point.fitted, factor * (each.ours - value), factor * uncertainty))
-    return panels

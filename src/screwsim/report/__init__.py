@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from screwsim.inputs.faults import UsageError
 
 if TYPE_CHECKING:
-    from screwsim.report.indicated import Indicated
+    from screwsim.figures.indicated import Indicated
     from screwsim.results import Results
 
 __all__ = ["plot"]

@@ -7,12 +7,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.report import style
+from screwsim.report.quantities import PRESSURE
 from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, note, plain_ticks
 
 BINS, FINE = 40, 28  # bins of a parameter, of each of a pair
 CONTOUR_SHARES = (0.5, 0.9)  # of the samples, enclosed by the contours of a pair
 LEAST_PANEL = 34.0  # [mm] of a panel, at least
 HEIGHT = 62.0  # [mm] of a panel
+MANY_PRESSURES = 120  # of a point, from which they are drawn as dots
 MOST_NAMES = 16  # most points whose names fit below an axis
 ResidualPoint = tuple[int, bool, float, float]  # number of the point, fitted, residual, uncertainty
 
@@ -39,6 +41,40 @@ def residuals_figure(panels: Mapping[str, Sequence[ResidualPoint]], names: Seque
     some = any(not fitted for left in panels.values() for _, fitted, _, _ in left)
     told = "filled: in the fit; open: predicted" if some else ""
     note(figure, "fitted minus measured, with the standard uncertainty of the measurement", told)
+    return figure
+
+
+class FittedPressures(NamedTuple):
+    """Pressures [Pa] of a point over the angle [degree]: measured, their standard uncertainties, and fitted."""
+
+    name: str
+    angle: np.ndarray
+    measured: np.ndarray
+    uncertainty: np.ndarray
+    fitted: np.ndarray
+
+
+def pressures_figure(points: Sequence[FittedPressures], left_out: int = 0) -> Any:
+    """Draw the pressures of each point over the angle, fitted and measured; `left_out` points have no panel."""
+    columns = min(2, len(points))
+    figure, places = style.panels(len(points), 0.0, HEIGHT, columns, DOUBLE if columns == 2 else 1.4 * SINGLE)
+    for axes, each in zip(places, points, strict=True):
+        few = len(each.angle) < MANY_PRESSURES
+        axes.plot(each.angle, PRESSURE.factor * each.fitted, color="black", label="fitted")
+        axes.errorbar(
+            each.angle,
+            PRESSURE.factor * each.measured,
+            yerr=PRESSURE.factor * each.uncertainty,
+            fmt="x" if few else ".",
+            color=COLOURS[3],
+            markersize=3.5 if few else 1.5,
+            elinewidth=0.6,
+            label="measured",
+        )
+        axes.set(ylabel=PRESSURE.label, xlabel="angle (°)", title=each.name)
+        plain_ticks(axes.xaxis, axes.yaxis)
+    places[0].legend(loc="upper left")
+    note(figure, "bars: standard uncertainty", f"{left_out} more points" if left_out else "")
     return figure
 
 

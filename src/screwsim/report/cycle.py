@@ -9,12 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.figures.indicated import Indicated
 from screwsim.report import style
 from screwsim.report.annotate import label_points
-from screwsim.report.indicated import Indicated, draw_over_angle, draw_over_volume
+from screwsim.report.indicated import draw_over_angle, draw_over_volume
 from screwsim.report.quantities import ANGLE, GAS_MASS, MASS_FLOW, PRESSURE, TEMPERATURE, VOLUME, short
 from screwsim.report.style import COLOURS, DASHES, GREY, SINGLE, SMALL, note, plain_ticks, subplots
-from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limit
+from screwsim.report.trace import Trace, chosen_trace, flow_paths, pressure_limit, temperature_limits
 from screwsim.results import Results
 
 _LIFTS = {"suction_valve_lift": "suction valve", "discharge_valve_lift": "discharge valve"}
@@ -105,6 +106,7 @@ def _states(trace: Trace, measured: Indicated | None) -> Any:
         draw_over_angle(upper, measured)
     if _temperatures(middle, trace):
         middle.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
+    hidden = _temperature_axis(middle, trace)
     lower.plot(trace.angle, trace.values["gas_mass"] * GAS_MASS.factor, color=COLOURS[0])
     lower.set(xlabel=trace.axis.label, ylabel=GAS_MASS.label, ylim=(0.0, None))
     for axes in (upper, middle, lower):
@@ -116,7 +118,7 @@ def _states(trace: Trace, measured: Indicated | None) -> Any:
         near_right = i + 1 < len(marks) and marks[i + 1][1] - angle < _NEAR
         side = "left" if near_left else "right" if near_right else "center"
         style.name_above(upper, angle, text, side)
-    note(figure, trace.title, clipped)
+    note(figure, trace.title, clipped, hidden)
     return figure
 
 
@@ -147,6 +149,7 @@ def draw_temperatures(axes: Any, trace: Trace) -> None:
     """Draw the temperatures over the angle into axes."""
     if _temperatures(axes, trace):
         axes.legend()
+    _temperature_axis(axes, trace)
     _angle_axis(axes, trace, trace.axis.label)
 
 
@@ -216,6 +219,16 @@ def _pressure_axis(axes: Any, trace: Trace) -> str:
     plain_ticks(axes.yaxis)
     beyond = f"peak of {peak * PRESSURE.factor:.3g} bar at {short(angle)}° not shown"
     return beyond if peak > top else ""
+
+
+def _temperature_axis(axes: Any, trace: Trace) -> str:
+    """Limit the axis to chambers with gas in them, and return the note on what exceeds it."""
+    low, high, beyond = temperature_limits(trace)
+    if beyond is None:
+        return ""
+    room = 0.06 * (high - low)
+    axes.set_ylim(TEMPERATURE.of(low - room), TEMPERATURE.of(high + room))
+    return f"{TEMPERATURE.of(beyond):.0f} °C of the nearly empty chamber not shown"
 
 
 def _angle_axis(axes: Any, trace: Trace, label: str = "", plain: bool = True) -> None:

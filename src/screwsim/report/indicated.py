@@ -1,66 +1,20 @@
 """Measured pressures of a chamber over angle or volume, to be drawn beside those of a computed cycle."""
 
-import os
-import re
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from screwsim.inputs.declare import KINDS
+from screwsim.figures.indicated import Indicated, IndicatedVolumes
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
 from screwsim.report.quantities import PRESSURE, VOLUME
 from screwsim.report.style import COLOURS
 from screwsim.report.trace import Trace
-from screwsim.scene.units import Refused, parse_quantity
 
-ANGLE_COLUMN = "angle_deg"
-PRESSURE_COLUMN = re.compile(r"pressure_(bar|mbar|kPa|MPa|Pa)")
-VOLUME_COLUMN = re.compile(r"volume_(cm3|mm3|l|m3)")
-CUBIC_METRES = {"cm3": 1e-6, "mm3": 1e-9, "l": 1e-3, "m3": 1.0}
-_EXAMPLE = "write angle_deg,pressure_bar or volume_cm3,pressure_bar; absolute pressures, also _kPa, _MPa or _Pa"
 VOLUME_SLACK = 0.02  # of the largest or smallest volume, by which a point may lie beyond it
 FEWEST = 6  # points, from which shifts of angle and pressure are found
 WORTH = 0.5  # part of the root mean square deviation that shifts must leave at most, to be worth a word
 MANY = 120  # points, from which they are drawn as dots
 ANGLE_SLACK = 5.0  # [degree] by which a point may exceed the ends of the cycle
-
-
-class Indicated(NamedTuple):
-    """Measured points: angles [degree] in the cycle's convention, absolute pressures [Pa]."""
-
-    angle: np.ndarray
-    pressure: np.ndarray
-
-
-class IndicatedVolumes(NamedTuple):
-    """Measured points of an indicator diagram in the order of the cycle: volumes [m³], absolute pressures [Pa]."""
-
-    volume: np.ndarray
-    pressure: np.ndarray
-
-
-def read_indicated(path: str | os.PathLike[str]) -> Indicated | IndicatedVolumes:
-    """Return the measured points of a CSV file with angle_deg or volume_UNIT, and pressure_UNIT; raise UsageError.
-
-    Where a file has both, its angles are taken.
-    """
-    where = os.fspath(path)
-    with sheet_or_usage_error("name a CSV file of measured pressures", where):
-        sheet = read_sheet(path)
-    named = [name for name in sheet.names if PRESSURE_COLUMN.fullmatch(name)]
-    volumes = [name for name in sheet.names if VOLUME_COLUMN.fullmatch(name)]
-    places = [ANGLE_COLUMN] if ANGLE_COLUMN in sheet.names else volumes
-    if len(places) != 1 or len(named) != 1:
-        found = ", ".join(name for name in sheet.names if name) or "none"
-        raise UsageError(f"{where}: needs angle_deg or one volume, and one pressure (found: {found}; {_EXAMPLE})")
-    unit = named[0].removeprefix("pressure_")
-    rows = sheet.columns(places[0], named[0])
-    if not rows:
-        raise UsageError(f"{where}: has no points below its header (one row per point)")
-    of, pressure = map(np.array, zip(*(_point(where, line, cells, unit) for line, cells in rows), strict=True))
-    volume = VOLUME_COLUMN.fullmatch(places[0])
-    return IndicatedVolumes(of * CUBIC_METRES[volume[1]], pressure) if volume else Indicated(of, pressure)
 
 
 def at_angles(points: Indicated | IndicatedVolumes, trace: Trace) -> Indicated:
@@ -80,17 +34,6 @@ def at_angles(points: Indicated | IndicatedVolumes, trace: Trace) -> Indicated:
     filling = np.interp(points.volume, volume[: top + 1], trace.angle[: top + 1])
     closing = np.interp(points.volume, volume[top:][::-1], trace.angle[top:][::-1])
     return Indicated(np.where(grows, filling, closing), points.pressure)
-
-
-def _point(where: str, line: int, cells: tuple[str, ...], unit: str) -> tuple[float, float]:
-    try:
-        angle, pressure = float(cells[0]), parse_quantity(KINDS["pressure"], f"{cells[1]} {unit}")
-    except (Refused, ValueError):
-        raise UsageError(f"{where}: line {line}: {', '.join(cells)} are not two numbers") from None
-    if not (np.isfinite(angle) and pressure > 0.0):
-        what = f"{cells[1]} {unit} is not an absolute pressure"
-        raise UsageError(f"{where}: line {line}: {what} (add the ambient pressure)")
-    return angle, pressure
 
 
 def check_volumes(points: IndicatedVolumes, trace: Trace) -> None:

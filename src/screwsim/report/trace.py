@@ -15,6 +15,7 @@ _SLACK = 0.1  # of the distance of two samples, for rounding of volume and ratio
 _INJECTION = 360.0  # [degree] where oil is injected (docs/model.md)
 _LONE = 0.03  # largest share of the angles of a spike that may exceed the axis
 _ROOM = 1.25  # axis limit over the highest pressure outside spikes
+_EMPTY = 0.01  # share of the largest gas mass of a life
 _SIDES = ("leading", "trailing")
 _LOBES = "machine.male_lobes"
 _LINES = {"$p_s$": "suction", "$p_d$": "discharge"}
@@ -151,6 +152,23 @@ def pressure_limit(trace: Trace) -> tuple[float, float, float]:
     usual = max([float(np.nanquantile(p, 1.0 - _LONE)), *trace.pressures.values()])
     top = _ROOM * usual
     return (top if peak > 1.3 * top else 1.06 * max(peak, usual)), peak, float(trace.angle[place])
+
+
+def temperature_limits(trace: Trace) -> tuple[float, float, float | None]:
+    """Return the lowest and highest temperature [K] of a chamber with gas in it, and the furthest one far beyond them.
+
+    That is one of a chamber with less than `_EMPTY` of its largest mass, at the ends of a life, where a port that opens
+    empties or fills it within a few degrees; None where there is none.
+    """
+    m, T = trace.values["gas_mass"], trace.values["gas_temperature"]
+    oil = trace.values.get("oil_temperature", np.full(len(T), np.nan))
+    there = m >= _EMPTY * np.nanmax(m)
+    shown = np.concatenate([T[there], oil[there]])
+    low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
+    room = 0.25 * (high - low)
+    coldest, warmest = float(np.nanmin(T)), float(np.nanmax(T))
+    furthest = coldest if low - coldest > warmest - high else warmest
+    return low, high, None if low - room <= furthest <= high + room else furthest
 
 
 def flow_paths(values: Mapping[str, np.ndarray]) -> dict[str, dict[str, str]]:

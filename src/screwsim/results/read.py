@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -60,6 +60,14 @@ class Results(Brief):
     stages: Mapping[str, Results] = field(default_factory=dict, kw_only=True)  # on the same axes; empty for one machine
     stage: str = field(default="", kw_only=True)  # the name of this one of two stages
     asked: np.ndarray | None = field(default=None, kw_only=True)  # cases of which one's cycle is drawn; None: of all
+
+    if not TYPE_CHECKING:  # to which every attribute would be known then
+
+        def __getattr__(self, name: str) -> Any:
+            if name in self.__dict__.get("performance", ()):
+                dataset = "to_xarray() gives a dataset that has it as an attribute (pip install 'screwsim[xarray]')"
+                raise AttributeError(f"results have no attribute {name!r}: performance[{name!r}] has it; {dataset}")
+            raise AttributeError(f"results have no attribute {name!r}")
 
     @property
     def scene_yaml(self) -> str:

@@ -5,6 +5,7 @@ number to which the machine was fitted, `calibrated`: that is no evidence.
 """
 
 import sys
+import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -16,6 +17,7 @@ from screwsim.results import open_results
 from screwsim.screen import say
 
 PAPER_TITLE = "Chernov et al. 2015"  # start of the titles in configs/paper
+WIDTH = 80  # of a line of the table
 Array = np.ndarray
 A5_RATIO, A5_SPEED, A5_EFFICIENCY, A5_TOLERANCE = 3.0, 1000.0, 0.68, 0.005
 A6_EFFICIENCY, A6_TOLERANCE = 0.44, 0.02
@@ -254,10 +256,18 @@ def _is_figure(path: str, axis: str) -> bool:
 
 
 def table(found: list[Claim]) -> str:
-    """Return the claims as text, three lines each."""
-    return "\n".join(
-        f"{claim.name}  {claim.verdict:<10}  {claim.says}\n    measure: {claim.measure}\n    found:   {claim.found}"
+    """Return the claims as text, wrapped to the width of a screen: what each says, its measure, what is found."""
+    rows = (
+        row
         for claim in found
+        for row in (
+            (f"{claim.name}  {claim.verdict:<10}  ", claim.says),
+            ("    measure: ", claim.measure),
+            ("    found:   ", claim.found),
+        )
+    )
+    return "\n".join(
+        textwrap.fill(words, WIDTH, initial_indent=head, subsequent_indent=" " * len(head)) for head, words in rows
     )
 
 

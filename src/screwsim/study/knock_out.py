@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from screwsim.effects.parts.usual import FRICTION, LEAK, OIL_FRICTION, OIL_HEAT, WALLS
+from screwsim.effects.parts.usual import FRICTION, LEAK, OIL_FRICTION, OIL_HEAT, WALLS, WAY_IN, WAY_OUT
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.inputs.suggestions import nearest
 from screwsim.machine.kinds import kind_of
@@ -68,8 +68,9 @@ def knock_out(scene: Scene, result: Result, left_out: Sequence[LeftOut], progres
 
     Where the scene calls for them, changes of cooling capacity and COP are included.
 
-    An effect that the scene cannot do without has the status `needed`, with the reason as its message; one without
-    which the cycle does not close has the status of that solution, and no figures. Warnings that appear only without
+    An effect that the scene cannot do without has the status `needed`, with the reason as its message, and so has a way
+    in or out of the chambers without which the cycle does not close. Any other without which it does not close has the
+    status of that solution, and no figures. Warnings that appear only without
     the effect are in its message.
     """
     costs = []
@@ -96,9 +97,10 @@ def _without(scene: Scene, left: LeftOut, result: Result) -> Figures:
         return Figures(found, message="; ".join(line.removeprefix("<text>:") for line in error.lines))
     except UsageError as error:
         return Figures(found, message=str(error))
-    found |= {"status": other.status, "message": other.message}
     if other.status != "ok":
-        return Figures(found)
+        ways = any(role in scene.effects[name].effect.roles for name in left.effects for role in (WAY_IN, WAY_OUT))
+        return Figures(found, status="needed" if ways else other.status, message=other.message)
+    found |= {"status": other.status, "message": other.message}
     doubts = [warning for warning in other.warnings if warning not in result.warnings]
     before, after = (specific_work(each) for each in (result, other))
     power = other.performance.shaft_power

@@ -268,6 +268,13 @@ def test_bad_files_are_refused(tmp_path, text, words):
     assert words in _refusal(imported.read_profile, str(path))
 
 
+@pytest.mark.parametrize("name", ["male.dxf", "MALE.DXF", "rotor.step"])
+def test_a_drawing_is_refused_with_what_to_export(tmp_path, name):
+    (tmp_path / name).write_text("0\nSECTION\n")
+    refusal = _refusal(imported.read_profile, str(tmp_path / name))
+    assert "is a drawing (export the points of one male lobe, from root to root" in refusal
+
+
 def test_a_corner_in_the_points_is_refused():
     x = np.concatenate([np.linspace(30, 50, 30), np.linspace(50, 30, 30)[1:]]) * MM
     y = np.concatenate([np.linspace(-8, 0, 30), np.linspace(0, 8, 30)[1:]]) * MM

@@ -25,6 +25,9 @@ NOISE = 1e-3  # [rad] reversal of the contact, outside the tip, below which it i
 
 def read_profile(path: str) -> tuple[Array, Array]:
     """Return x and y [m] from a CSV file with the columns x_mm, y_mm; lines that begin with # are comments."""
+    if path.lower().endswith((".dxf", ".dwg", ".step", ".stp", ".igs", ".iges")):
+        remedy = "export the points of one male lobe, from root to root, as CSV with the columns x_mm, y_mm"
+        raise UsageError(f"{path}: is a drawing ({remedy})")
     words = "needs the columns x_mm and y_mm with a number in every row"
     with sheet_or_usage_error("name an existing CSV file", path):
         points = np.array(read_sheet(path).numbers("x_mm", "y_mm", words=words))
@@ -146,7 +149,8 @@ def closed(pair: Pair, contact: Segment) -> Chain:
     flat = pair.pitch - (psi[-1] - psi[0])
     if flat < -1e-6:
         raise UsageError(
-            f"machine.profile.file: the curve is {math.degrees(-flat):.3g} deg longer than a lobe pitch (remove points)"
+            f"machine.profile.file: the curve is {math.degrees(-flat):.3g} deg longer than a lobe pitch "
+            "(give one lobe, from root to root)"
         )
     lead, trail = _reversal(x, y, psi)
     psi = _straightened(psi, lead, trail)

@@ -1,12 +1,14 @@
 """Read the measured points of a fit: a CSV file whose columns are scene paths, figures and their uncertainties."""
 
 import math
+import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.figures import declared, known
+from screwsim.figures.indicated import pressure_figure
 from screwsim.fluid import constants
 from screwsim.inputs.declare import Kind
 from screwsim.inputs.faults import UsageError
@@ -38,6 +40,7 @@ from screwsim.study.asked.figure_units import (
     units_of,
 )
 from screwsim.study.calibration.fit import Measurement, Point
+from screwsim.study.calibration.indicator import ANY_PRESSURE, INDICATOR, pressures_of
 
 MOST_POINTS = 10_000  # per fit
 UNCERTAINTY_SUFFIX = "_uncertainty"
@@ -63,7 +66,7 @@ _EXAMPLE = "write e.g. operation.speed [rpm], shaft_power [kW], shaft_power_unce
 
 @dataclass(frozen=True)
 class _Column:
-    """One column: its kind (name, use, figure, uncertainty, path), what it is of, and its unit.
+    """One column: its kind (name, use, figure, uncertainty, path, indicator), what it is of, and its unit.
 
     `quantity` is the dimension of a figure whose unit is one that only scenes know, `coverage` how many standard
     uncertainties an uncertainty of the column is; `relative` tells that it is a share of the value.
@@ -86,7 +89,7 @@ def read_points(
     With `candidates` nothing needs to be measured: uncertainties are those of future measurements, and figures without
     a value are NaN.
     """
-    start = Position(1, label)
+    start = Position(1, label, folder=os.path.dirname(path))
     try:
         sheet = read_sheet(path)
     except Unreadable as reason:
@@ -181,8 +184,13 @@ def _columns(
         if names.count(name) > 1:
             problems.add(place, column.of, "appears twice (remove one column)")
         partner = {"figure": "uncertainty", "uncertainty": "figure"}.get(column.kind)
+        if column.kind == INDICATOR and ("uncertainty", ANY_PRESSURE) not in names:
+            problems.add(place, INDICATOR, f"needs a column {INDICATOR}{UNCERTAINTY_SUFFIX} [bar] (add it)")
+        if column.of == ANY_PRESSURE and (INDICATOR, INDICATOR) in names:
+            partner = None
         if partner and (partner, column.of) not in names and not (candidates and partner == "figure"):
             other = column.of if partner == "figure" else column.of + UNCERTAINTY_SUFFIX
+            other = INDICATOR if other == ANY_PRESSURE else other
             if other not in refused:
                 problems.add(place, column.of, f"needs a column {other} (add it)")
     in_percent = {column.of for column, _ in found if column.kind == "figure" and column.unit == "%"}
@@ -194,7 +202,7 @@ def _columns(
     for column, place in found if candidates else ():
         if column.relative:
             problems.add(place, column.of, f"has no value of which {column.unit} are a share (write [1], its own unit)")
-    if not candidates and not any(kind == "figure" for kind, _ in names) and not problems:
+    if not candidates and not any(kind in ("figure", INDICATOR) for kind, _ in names) and not problems:
         problems.add(cells[0][1], "data", f"has no column of a measured figure (known: {', '.join(_figures(scene))})")
     return found
 
@@ -226,10 +234,16 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str], candidates
     """Return the meaning of a column; raise `Refused` or UsageError."""
     if name in ("name", "use"):
         return _Column(name, name, unit)
+    if name == INDICATOR:
+        if candidates:
+            raise Refused("names measured pressures, and nothing is measured here yet (remove it)")
+        return _Column(INDICATOR, INDICATOR, unit)
     figure = name.removesuffix(UNCERTAINTY_SUFFIX)
+    figure = ANY_PRESSURE if figure == INDICATOR else figure
     figures = _figures(scene)
-    if figure in figures:
-        units, kind, unit = units_of(figure), "figure" if figure == name else "uncertainty", tidy_unit(unit)
+    if figure in figures or pressure_figure(figure) is not None:
+        kind = "uncertainty" if name.endswith(UNCERTAINTY_SUFFIX) else "figure"
+        units, unit = units_of(figure), tidy_unit(unit)
         if unit in units or (CELSIUS == unit and units is UNITS["K"] and kind == "figure"):
             return _Column(kind, figure, unit)
         if unit == "%" and kind == "uncertainty" and not candidates and units not in OF_OWN_ZERO:
@@ -279,7 +293,9 @@ def _point(
     row: Row, start: Position, columns: list[tuple[_Column, Position]], problems: LocatedFaults, candidates: bool
 ) -> tuple[Point, Position] | None:
     place, before = start.at(row.line, 1), len(problems)
-    found: dict[str, dict[str, Any]] = {kind: {} for kind in ("name", "use", "path", "figure", "uncertainty")}
+    kinds = ("name", "use", "path", "figure", "uncertainty", INDICATOR)
+    found: dict[str, dict[str, Any]] = {kind: {} for kind in kinds}
+    own_pressures: dict[str, Measurement] = {}
     for (text, at), (column, _) in zip(_cells(row, start), columns, strict=True):
         try:
             value = _value(column, text)
@@ -290,6 +306,16 @@ def _point(
             found[column.kind][column.of] = value
     if len(problems) > before:
         return None
+    if any(column.kind == INDICATOR for column, _ in columns):
+        own = found["uncertainty"].pop(ANY_PRESSURE, None)
+        if (file := found[INDICATOR].get(INDICATOR)) is not None:
+            try:
+                if own is None:
+                    raise Refused("needs an uncertainty (fill the empty cell)")
+                own_pressures = pressures_of(file, start.folder, own)
+            except Refused as refusal:
+                problems.add(place, INDICATOR, str(refusal))
+                return None
     if candidates:
         found["figure"] = {name: found["figure"].get(name, math.nan) for name in found["uncertainty"]}
     for figure in (column.of for column, _ in columns if column.relative):
@@ -306,6 +332,7 @@ def _point(
     if len(problems) > before:
         return None
     measured = {name: Measurement(value, found["uncertainty"][name]) for name, value in found["figure"].items()}
+    measured |= own_pressures
     name = found["name"].get("name") or f"line {place.line}"
     return Point(name, found["path"], measured, found["use"].get("use", True)), place
 
@@ -314,6 +341,8 @@ def _value(column: _Column, text: str) -> Any:
     """Return the value [SI] of a cell, None for an empty cell of a figure; raise `Refused`."""
     if column.kind == "name":
         return text
+    if column.kind == INDICATOR:
+        return text or None
     if column.kind == "use":
         if text not in USE_WORDS:
             raise Refused(f"{shown(text)} is not known (write fit, or check: predicted and not fitted)")

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.figures import declared
+from screwsim.figures.indicated import angle_of
 from screwsim.inputs.declare import FoundWithCycle
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
@@ -23,6 +24,7 @@ from screwsim.study.uncertainty.point import slopes_by_inputs
 from screwsim.study.uncertainty.spreads import groups_of
 
 Group = tuple[str, ...]  # paths of correlated inputs, one or more
+NO_DERIVATIVE = "a pressure at an angle has no exact derivative"
 
 
 def unchanged_fit(fit: Fit, simulate: Simulate | None) -> tuple[Fit, dict[str, float]]:
@@ -90,6 +92,8 @@ def point_shifts(scene: Scene, point: Point, groups: Sequence[Group], result: Re
     """
     if not groups:
         return NO_SHIFTS
+    if any(angle_of(name) is not None for name in point.measured):
+        return PointShifts({}, dict.fromkeys(chain(*groups), f"at {point.name}: {NO_DERIVATIVE}"))
     found = slopes_by_inputs(scene, list(chain(*groups)), list(point.measured), result=result)
     over = np.array([measured.uncertainty for measured in point.measured.values()])
     by_path = {}

@@ -298,9 +298,9 @@ def point_information(
     """Return the information of one point; a candidate without stated uncertainties is measured like the others."""
     point = points[number]
     asked, places = Objective(fit, simulate), fit.places(values)
-    result = asked.solved(point, values)
     if not point.measured:
         point = replace(point, measured={name: Measurement(0.0, 1.0) for name in usual})
+    result = asked.solved(point, values)
     if why := result.why_not(point.measured):
         return PointInformation(why=why, solutions=asked.solutions, failed=asked.failed)
     measured = _as_measured(points[number], result.performance, usual)

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from screwsim.figures.indicated import angle_of
 from screwsim.inputs.faults import UsageError
 from screwsim.study.calibration.answers import QUANTILES, ParameterInterval, Posterior, PredictiveCheck
 from screwsim.study.calibration.emulator import Emulator, Key, figures_at, fitted, places_within, solved_rows
@@ -122,6 +123,13 @@ def _places_of_off(parameter: Parameter, prior: Prior, off: Array) -> Array:
     return (values - parameter.low) / (parameter.high - parameter.low)
 
 
+def refuse_pressures(fit: Fit) -> None:
+    """Raise UsageError where a fit measures pressures at angles, which the model of a discrepancy does not suit."""
+    if any(angle_of(name) is not None for point in fit.points for name in point.measured):
+        what = "a posterior has a discrepancy for each figure, and pressures of one cycle miss the model together"
+        raise UsageError(f"{what} (take the columns of pressures out of the data)")
+
+
 def posterior(
     found: Calibration,
     *,
@@ -130,7 +138,11 @@ def posterior(
     progress: Progress | None = None,
     most_steps: int = MOST_STEPS,
 ) -> Posterior:
-    """Return the posterior of the parameters of a fit, starting from its best values."""
+    """Return the posterior of the parameters of a fit, starting from its best values.
+
+    Raise UsageError for a fit to pressures at angles: each would need a width of its own for what the model misses.
+    """
+    refuse_pressures(found.fit)
     try:
         import emcee
     except ImportError:

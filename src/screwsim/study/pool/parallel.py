@@ -152,9 +152,13 @@ class BatchWorkers:
 
 
 class WarmSimulation:
-    """Solve a scene when called, starting from that of the last call where it is near; or two stages."""
+    """Solve a scene when called, starting from that of the last call where it is near; or two stages.
 
-    def __init__(self) -> None:
+    With `trace` results of a scene keep their cycle.
+    """
+
+    def __init__(self, trace: bool = False) -> None:
+        self._trace = trace
         self._scene: Scene | None = None
         self._course: Iterator[Result] | None = None
 
@@ -164,7 +168,7 @@ class WarmSimulation:
         if not isinstance(scene, Scene):
             return scene.solved()
         self._scene = scene
-        self._course = self._course or iter(simulate_many(self._scenes(), trace=False))
+        self._course = self._course or iter(simulate_many(self._scenes(), trace=self._trace))
         try:
             return next(self._course)
         except Exception:

@@ -1,0 +1,114 @@
+"""Chamber pressures that were measured over angle or volume: their files, and each as a figure of the cycle.
+
+A pressure at an angle has a figure's name, `pressure_at_600_deg`, so that a fit reads it beside flow and power. The
+program computes it from the stored cycle only where a fit asks for it: no other result has such a figure.
+"""
+
+import os
+import re
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from screwsim.inputs.declare import KINDS
+from screwsim.inputs.faults import UsageError
+from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
+from screwsim.outputs import Figure, Result, over
+from screwsim.scene.units import Refused, parse_quantity
+
+ANGLE_COLUMN = "angle_deg"
+PRESSURE_COLUMN = re.compile(r"pressure_(bar|mbar|kPa|MPa|Pa)")
+VOLUME_COLUMN = re.compile(r"volume_(cm3|mm3|l|m3)")
+CUBIC_METRES = {"cm3": 1e-6, "mm3": 1e-9, "l": 1e-3, "m3": 1.0}
+_EXAMPLE = "write angle_deg,pressure_bar or volume_cm3,pressure_bar; absolute pressures, also _kPa, _MPa or _Pa"
+_FIGURE = re.compile(r"pressure_at_(\d+(?:\.\d+)?)_deg")
+
+
+class Indicated(NamedTuple):
+    """Measured points: angles [degree] in the cycle's convention, absolute pressures [Pa]."""
+
+    angle: np.ndarray
+    pressure: np.ndarray
+
+
+class IndicatedVolumes(NamedTuple):
+    """Measured points of an indicator diagram in the order of the cycle: volumes [m³], absolute pressures [Pa]."""
+
+    volume: np.ndarray
+    pressure: np.ndarray
+
+
+def read_indicated(path: str | os.PathLike[str]) -> Indicated | IndicatedVolumes:
+    """Return the measured points of a CSV file with angle_deg or volume_UNIT, and pressure_UNIT; raise UsageError.
+
+    Where a file has both, its angles are taken.
+    """
+    where = os.fspath(path)
+    with sheet_or_usage_error("name a CSV file of measured pressures", where):
+        sheet = read_sheet(path)
+    named = [name for name in sheet.names if PRESSURE_COLUMN.fullmatch(name)]
+    volumes = [name for name in sheet.names if VOLUME_COLUMN.fullmatch(name)]
+    places = [ANGLE_COLUMN] if ANGLE_COLUMN in sheet.names else volumes
+    if len(places) != 1 or len(named) != 1:
+        found = ", ".join(name for name in sheet.names if name) or "none"
+        raise UsageError(f"{where}: needs angle_deg or one volume, and one pressure (found: {found}; {_EXAMPLE})")
+    unit = named[0].removeprefix("pressure_")
+    rows = sheet.columns(places[0], named[0])
+    if not rows:
+        raise UsageError(f"{where}: has no points below its header (one row per point)")
+    of, pressure = map(np.array, zip(*(_point(where, line, cells, unit) for line, cells in rows), strict=True))
+    volume = VOLUME_COLUMN.fullmatch(places[0])
+    return IndicatedVolumes(of * CUBIC_METRES[volume[1]], pressure) if volume else Indicated(of, pressure)
+
+
+def _point(where: str, line: int, cells: tuple[str, ...], unit: str) -> tuple[float, float]:
+    try:
+        angle, pressure = float(cells[0]), parse_quantity(KINDS["pressure"], f"{cells[1]} {unit}")
+    except (Refused, ValueError):
+        raise UsageError(f"{where}: line {line}: {', '.join(cells)} are not two numbers") from None
+    if not (np.isfinite(angle) and pressure > 0.0):
+        what = f"{cells[1]} {unit} is not an absolute pressure"
+        raise UsageError(f"{where}: line {line}: {what} (add the ambient pressure)")
+    return angle, pressure
+
+
+def pressure_at(angle: float) -> str:
+    """Return the name of the chamber's pressure at an angle [degree] as a figure."""
+    return f"pressure_at_{angle:.10g}_deg"
+
+
+def angle_of(figure: str) -> float | None:
+    """Return the angle [degree] of a figure that is a pressure at an angle; None for any other."""
+    found = _FIGURE.fullmatch(figure)
+    return None if found is None else float(found[1])
+
+
+def pressure_figure(name: str) -> Figure | None:
+    """Return the declaration of a pressure at an angle; None for any other name."""
+    angle = angle_of(name)
+    if angle is None:
+        return None
+    return Figure(name, "Pa", f"chamber pressure at {angle:g} degrees", over("peak_pressure", alone=True))
+
+
+def with_pressures(result: Result, names: Iterable[str]) -> Result:
+    """Return a result with those of its figures that are pressures at angles, read from its cycle.
+
+    They are linear between the samples of the cycle, a degree apart. One beyond the life of the chamber is null, with
+    its reason among the notes.
+    """
+    asked = {name: angle for name in names if (angle := angle_of(name)) is not None}
+    if not asked or "pressure" not in result.cycle:
+        return result
+    angles, pressures = result.cycle["angle"], result.cycle["pressure"]
+    first, last = float(angles[0]), float(angles[-1])
+    figures, notes = result.performance.copy(), dict(result.notes)
+    for name, angle in asked.items():
+        if first <= angle <= last:
+            figures[name] = float(np.interp(angle, angles, pressures))
+        else:
+            figures[name] = None
+            notes[name] = f"{angle:g} deg is outside the cycle's {first:g} to {last:g} deg"
+    return replace(result, performance=figures, notes=notes)

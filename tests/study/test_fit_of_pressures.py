@@ -1,0 +1,131 @@
+"""Chamber pressures at angles among the data of a fit: what is read, refused, computed and printed."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from screwsim.figures import declared
+from screwsim.figures.indicated import angle_of, pressure_at, with_pressures
+from screwsim.inputs.faults import SceneError, UsageError
+from screwsim.outputs import Result
+from screwsim.printing.fitted_points import lines_of_points
+from screwsim.study.calibration import read_fit
+from screwsim.study.calibration.posterior import refuse_pressures
+from screwsim.study.calibration.residuals import Objective
+from screwsim.study.calibration.solve import ComparedMeasurement
+
+POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
+FIT = f"""
+scene: {POINT}
+data: points.csv
+parameters:
+  effects.tip_leakage.gap: {{from: 10 um, to: 80 um}}
+starts: 1
+"""
+HEAD = "operation.speed [rpm],indicator,indicator_uncertainty [mbar] (k=2)"
+PRESSURES = "angle_deg,pressure_kPa\n500,200\n600.5,600\n"
+
+
+def fit_of(folder, points, pressures=PRESSURES):
+    (folder / "points.csv").write_text(points, encoding="utf-8")
+    (folder / "p.csv").write_text(pressures, encoding="utf-8")
+    (folder / "own.fit.yaml").write_text(FIT, encoding="utf-8")
+    return read_fit(folder / "own.fit.yaml")
+
+
+def result(last=720.0):
+    angle = np.arange(0.0, last + 1.0)
+    return Result("ok", cycle={"angle": angle, "pressure": 1e5 + 1e3 * angle})
+
+
+def test_a_file_beside_the_data_gives_each_pressure_with_its_standard_uncertainty(tmp_path, monkeypatch):
+    monkeypatch.chdir("/")
+    (point,) = fit_of(tmp_path, f"{HEAD}\n1000,p.csv,40\n").points
+    assert list(point.measured) == ["pressure_at_500_deg", "pressure_at_600.5_deg"]
+    assert [tuple(each) for each in point.measured.values()] == [(2e5, 2e3), (6e5, 2e3)]
+
+
+def test_pressures_are_also_columns_and_gauge_ones_count_from_ambient(tmp_path):
+    text = "pressure_at_600_deg [bar(g)],pressure_at_600_deg_uncertainty [mbar]\n5,20\n"
+    (point,) = fit_of(tmp_path, text).points
+    value, uncertainty = point.measured["pressure_at_600_deg"]
+    assert (value, uncertainty) == (pytest.approx(5e5 + 101325.0, abs=200.0), pytest.approx(2e3))
+
+
+def test_a_point_may_have_no_indicator_beside_others_that_have_one(tmp_path):
+    text = f"{HEAD},shaft_power [kW],shaft_power_uncertainty [kW]\n1000,p.csv,40,12,0.1\n2000,,,24,0.2\n"
+    one, other = fit_of(tmp_path, text).points
+    assert len(one.measured) == 3 and list(other.measured) == ["shaft_power"]
+
+
+@pytest.mark.parametrize(
+    ("points", "pressures", "what"),
+    [
+        ("indicator\np.csv\n", PRESSURES, "needs a column indicator_uncertainty"),
+        ("indicator_uncertainty [bar]\n1\n", PRESSURES, "needs a column indicator "),
+        (f"{HEAD}\n1000,p.csv,\n", PRESSURES, "points.csv:2:1: indicator: needs an uncertainty"),
+        (f"{HEAD}\n1000,none.csv,40\n", PRESSURES, "'none.csv' is not a file"),
+        (f"{HEAD}\n1000,p.csv,40\n", "volume_cm3,pressure_bar\n9,1\n8,2\n", "'p.csv' has volumes"),
+        (f"{HEAD}\n1000,p.csv,40\n", "angle_deg,pressure_bar\n9,1\n9,2\n", "'p.csv' has 9 deg twice"),
+        (f"{HEAD}\n1000,p.csv,40\n", "angle_deg,pressure_bar\n-9,1\n", "'p.csv' has -9 deg"),
+        (f"{HEAD}\n1000,p.csv,40\n", "angle_deg,pressure_bar\n9,-1\n", "is not an absolute pressure"),
+        (f"{HEAD}\n1000,p.csv,40\n", "angle_deg,pressure_bar\n" + "9,1\n" * 2001, "at most 2000"),
+        ("pressure_at_600_deg [K],pressure_at_600_deg_uncertainty [bar]\n1,1\n", PRESSURES, "'K' is not one"),
+    ],
+)
+def test_what_does_not_suit_a_fit_is_refused_in_its_line(tmp_path, points, pressures, what):
+    with pytest.raises(SceneError) as refused:
+        fit_of(tmp_path, points, pressures)
+    assert what in str(refused.value)
+
+
+def test_a_pressure_is_linear_between_samples_and_has_a_reason_outside_the_cycle():
+    found = with_pressures(result(), ["pressure_at_100.25_deg", "pressure_at_721_deg", "shaft_power"])
+    assert found.performance == {"pressure_at_100.25_deg": 200250.0, "pressure_at_721_deg": None}
+    assert found.why_not(["pressure_at_721_deg"]).endswith("721 deg is outside the cycle's 0 to 720 deg")
+
+
+def test_a_result_that_is_not_asked_for_pressures_has_none():
+    assert with_pressures(result(), ["shaft_power"]).performance == {}
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, 360.0, 719.25])
+def test_the_name_of_a_pressure_has_its_angle(angle):
+    name = pressure_at(angle)
+    assert angle_of(name) == angle and declared(name).units == "Pa"
+    assert angle_of("peak_pressure") is None
+
+
+def test_a_fit_reads_the_cycle_of_its_points(tmp_path):
+    fit = fit_of(tmp_path, f"{HEAD}\n3000,p.csv,40\n")
+    asked = Objective(fit)
+    figures = asked.solved(fit.points[0], {"effects.tip_leakage.gap": 40e-6}).performance
+    tight = asked.solved(fit.points[0], {"effects.tip_leakage.gap": 10e-6}).performance
+    names = list(fit.points[0].measured)
+    assert 1.23e5 < figures[names[0]] < figures[names[1]] < 11.5e5
+    # what leaks in from chambers ahead raises the pressure of the closed chamber
+    assert all(figures[name] > tight[name] for name in names)
+
+
+def compared(fit, count):
+    point = fit.points[0]
+    pairs = list(point.measured.items())[:count]
+    return [ComparedMeasurement(point, name, each, each.value + 2.0 * each.uncertainty) for name, each in pairs]
+
+
+def test_few_pressures_have_a_line_each_and_many_one_with_root_mean_squares(tmp_path):
+    rows = "".join(f"{angle},200\n" for angle in range(500, 560, 5))
+    fit = fit_of(tmp_path, f"{HEAD}\n1000,p.csv,40\n", f"angle_deg,pressure_kPa\n{rows}")
+    few = lines_of_points(compared(fit, 3))
+    assert len(few) == 5 and "pressure at 505 deg" in few[3]  # below two lines of heads
+    many = [" ".join(line.split()) for line in lines_of_points(compared(fit, 12))]
+    assert many[2:] == [
+        "line 2 12 pressures, 500 … 555 deg 0.02 0.04 bar 2.00",
+        "of pressures: root mean squares of fitted minus measured, and of the residuals",
+    ]
+
+
+def test_a_posterior_refuses_pressures(tmp_path):
+    with pytest.raises(UsageError, match="pressures of one cycle miss the model together"):
+        refuse_pressures(fit_of(tmp_path, f"{HEAD}\n1000,p.csv,40\n"))
