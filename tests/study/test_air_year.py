@@ -5,7 +5,8 @@ import pytest
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.study.datasheet import SheetOptions, sheet_of
-from screwsim.study.datasheet.air_rating import Point, Rating
+from screwsim.study.datasheet.air_points import Point
+from screwsim.study.datasheet.air_rating import Rating
 from screwsim.study.datasheet.air_year import Demand, read_profile, year, year_document, year_table
 
 FULL, LEAST = 0.2, 0.1  # m³/s

@@ -10,7 +10,8 @@ from screwsim.outputs import Figures, Result
 from screwsim.outputs.us_units import GALLON
 from screwsim.scene import load
 from screwsim.study.datasheet import SheetOptions, sheet_of
-from screwsim.study.datasheet.air_rating import Point, Rating
+from screwsim.study.datasheet.air_points import Point
+from screwsim.study.datasheet.air_rating import Rating
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.load_unload import LoadUnload, Receiver, check_receiver, read_receiver
 from screwsim.study.datasheet.units import METRIC

@@ -17,7 +17,8 @@ from screwsim.numerics.pchip import Pchip
 from screwsim.outputs.customary import HOUR, MINUTE
 from screwsim.outputs.us_units import CFM, FOOT
 from screwsim.scene.units import NUMBER, Refused, parse_quantity, refused_at
-from screwsim.study.datasheet.air_rating import Point, Rating
+from screwsim.study.datasheet.air_points import Point
+from screwsim.study.datasheet.air_rating import Rating
 from screwsim.study.datasheet.load_unload import OPTION as RECEIVER
 from screwsim.study.datasheet.load_unload import LoadUnload, Receiver
 from screwsim.study.datasheet.sheet import Table
