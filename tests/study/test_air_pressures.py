@@ -110,7 +110,7 @@ def test_at_variable_speed_the_motor_bounds_the_speed(variable):
 
 
 def test_a_motor_too_small_for_the_lowest_speed_leaves_the_highest_with_a_mark():
-    of = sheet("variable_speed_7", "8.5 bar, 11 bar", "effects.motor.rated_power=30 kW")
+    of = sheet("variable_speed_7", "8.5 bar, 8.6 bar", "effects.motor.rated_power=31.5 kW")
     assert not any(each["bounded_by_motor"] for each in of.document["pressures"])
     assert all("*" in row[0] for row in table(of, FULL).rows)
 
