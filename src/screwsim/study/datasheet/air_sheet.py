@@ -64,7 +64,7 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
         tables=[
             _points_table(rated, limits),
             *pressures_tables(scene, rated.pressures, limits, rated.units),
-            *([year_table(rated, shares)] if shares else []),
+            *([year_table(rated, shares, [motor_of(scene)])] if shares else []),
             *lives_table(_named_points(rated), units=rated.units),
         ],
         verdict=_verdict(rated.regulation),

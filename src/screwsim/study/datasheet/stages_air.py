@@ -95,7 +95,7 @@ def air_stages_sheet(
         heading="Two-stage air package, rating by ISO 1217",
         title=with_printed_units(chain.title),
         lines=list(_lines(chain, rated, found[0])),
-        tables=[*tables, *([year_table(rated, shares)] if shares else [])],
+        tables=[*tables, *([year_table(rated, shares, [*map(motor_of, chain.by_stage.values())])] if shares else [])],
         notes=list(_notes(chain, [*zip(_names(speeds), points, strict=True), *beside])),
         drawings=list(air_sheet.drawings_of(rated)),
         document={**_document(chain, speeds, rated, found), **at_others, **profile},
