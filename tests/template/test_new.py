@@ -3,6 +3,7 @@
 import csv
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -933,6 +934,21 @@ def test_a_size_that_is_stated_needs_no_search():
     assert scene.title == "Air package, 520 m^3/h at 2950 rpm, motor of 45 kW, 8 bar(g)"
     assert scene.effects["motor"].parameters.rated_power == pytest.approx(45e3)
     assert scene.operation.discharge.pressure == pytest.approx(9e5)
+
+
+@pytest.mark.parametrize(
+    ("motor", "flow", "told"),
+    [
+        ("100 hp", None, "motor of 100 hp"),
+        ("45kW", "250cfm", "250 cfm of free air, motor of 45 kW"),
+        (" 45 kW ", " 7.5 m^3/min", "7.5 m^3/min of free air, motor of 45 kW"),
+    ],
+)
+def test_a_title_states_motor_and_flow_as_the_command_did(motor, flow, told):
+    size = {"displacement": "520 m^3/h"} if flow is None else {"free_air": flow}
+    asked = request_of(motor=motor, pressure="8 bar(g)", **size)
+    title = re.search(r'^title: "(.*)"$', new_scene("air", replace(asked, flow=0.15)), re.MULTILINE)[1]
+    assert title.endswith(f", {told}, 8 bar(g)")
 
 
 @pytest.mark.parametrize(("vi", "closes"), [(None, 545.0), (1.2, 522.0)])
