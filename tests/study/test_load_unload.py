@@ -7,7 +7,6 @@ from dataclasses import replace
 import pytest
 
 from screwsim.effects.air_package import Unloaded
-from screwsim.effects.motor import Parameters as Motor
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.outputs.us_units import GALLON, HORSEPOWER
@@ -101,7 +100,8 @@ def test_a_package_that_stops_starts_as_often_as_its_receiver_fills():
     assert document["receiver"] == {"volume": 2.0, "band": 0.7e5}
 
 
-MOTOR = Motor(rated_power=100.0 * HORSEPOWER)
+MAINS = load("configs/air/fixed_speed_7.yaml").effects["motor"].parameters
+MOTOR = replace(MAINS, rated_power=100.0 * HORSEPOWER)
 
 
 @pytest.mark.parametrize(("motor", "told"), [(MOTOR, True), (replace(MOTOR, drive_efficiency=0.97), False)])
