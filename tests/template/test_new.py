@@ -927,6 +927,16 @@ def test_oil_of_a_thin_gas_is_told_as_a_plain_number():
     assert "160 kg of oil per kg of gas" in list(sized_told(request_of(), failed))[1]
 
 
+@pytest.mark.parametrize(
+    ("condition", "told"),
+    [("0 bar(g)/25 bar(g)", True), ("0 bar(g)/13 bar(g)", False), ("4.1 bar(g)/25 bar(g), 80 degC", False)],
+)
+def test_an_outlet_for_two_stages_is_told(condition, told):
+    asked = request_of(displacement="300 m^3/h", condition=condition)
+    lines = list(sized_told(asked, stated_machine("air", asked)))
+    assert any(line.startswith("a pressure ratio of 26 in one stage: makers build one") for line in lines) == told
+
+
 def test_a_size_that_is_stated_needs_no_search():
     asked = request_of(displacement="520 m^3/h", motor="45 kW", pressure="8 bar(g)")
     assert not asked.by_sheet
