@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from screwsim.api import datasheet
 from screwsim.effects.air_package import Unloaded
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
@@ -148,6 +149,10 @@ def test_a_sheet_counts_three_simulated_points_of_the_package(tmp_path):
     profile = str(tmp_path / "loads.csv")
     sheet = sheet_of(scene, SheetOptions(profile=profile, receiver="2 m^3", band="0.7 bar"))
     plain = sheet_of(scene, SheetOptions(profile=profile))
+    again = datasheet(scene, profile=profile, receiver="2 m^3", band="0.7 bar")
+    assert again.document["profile"] == sheet.document["profile"]
+    with pytest.raises(UsageError, match="--receiver: 'two' is not"):
+        datasheet(scene, profile=profile, receiver="two")
     found, ideal = (each.document["profile"]["demands"][0] for each in (sheet, plain))
     full, idle = plain.document["points"][0], plain.document["unloaded"]["package_input_power"]
     half = 9.2 / 60.0 / full["free_air_delivered"]
