@@ -82,7 +82,7 @@ def optimum(
 
 
 @checked_arguments(
-    **dict.fromkeys(("evaporating", "condensing", "suction", "discharge"), TEXT),
+    **dict.fromkeys(("evaporating", "condensing", "suction", "discharge", "receiver", "band"), TEXT),
     limits=TEXTS,
     heating=FLAG,
     profile=FILE,
@@ -98,6 +98,8 @@ def datasheet(
     limits: Sequence[str] = (),
     heating: bool = False,
     profile: str | os.PathLike[str] | None = None,
+    receiver: str | None = None,
+    band: str | None = None,
     units: str = "metric",
     output: str | os.PathLike[str] | None = None,
     jobs: int | None = None,
@@ -110,13 +112,16 @@ def datasheet(
     `sheet.document` is the sheet in SI units, as `--json` prints it; `units` are those of its text, 'metric' or 'us'.
     `output` is the page to write (.html, .pdf), or the table of its points (.csv). With `heating` it also gives the
     heating capacity and COP of a heat pump; with a `profile` (a CSV file of flows and hours) the energy that an air
-    package uses over that profile. Two stages are given by the path of their file (`plant.stages.yaml`).
+    package uses over that profile, which it meets from a `receiver` ('2 m^3') within a `band` ('0.7 bar'); with
+    `discharge` its full flow at other outlet pressures. Two stages are given by the path of their file
+    (`plant.stages.yaml`).
     """
     if output is not None:
         check_sheet(Path(output))
     ranges = dict(zip(RANGE_OPTIONS, (evaporating, condensing, suction, discharge), strict=True))
     told, bar = None if profile is None else os.fspath(profile), progress_of("datasheet", progress)
-    found = sheet_of(scene_or_stages(scene), SheetOptions(ranges, limits, heating, told, jobs, bar, units))
+    asked = SheetOptions(ranges, limits, heating, told, jobs, bar, units, receiver, band)
+    found = sheet_of(scene_or_stages(scene), asked)
     if output is not None:
         write_sheet(found, Path(output))
     return found

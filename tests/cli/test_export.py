@@ -203,3 +203,19 @@ def test_what_the_command_line_changes_stands_below_the_title(command, folder, a
     kind, *rest = arguments
     answer = command("export", kind, "small.yaml", *rest, "--set", "operation.discharge.pressure=6 bar")
     assert answer.out.splitlines()[1] == "with operation.discharge.pressure=6 bar"
+
+
+WARM = "operation.suction.temperature=30 degC"
+
+
+@pytest.mark.parametrize(
+    ("kind", "target", "file"),
+    [("loads", "loads", "loads/loads.json"), ("csv", "x.csv", "x.csv"), ("modelica", "x.mo", "x.mo")],
+)
+def test_an_exported_file_says_what_the_command_line_changes(command, folder, kind, target, file):
+    over = [] if kind == "loads" else ["--over", SPEED, "--jobs", "1"]
+    over += ["--over", "operation.discharge.pressure=6 bar..7 bar"] if kind == "modelica" else []
+    answer = command("export", kind, "small.yaml", "-o", target, *over, "--set", WARM)
+    assert answer.code == 0, answer.err
+    text = Path(file).read_text(encoding="utf-8")
+    assert text.count(f"with {WARM}") == 1

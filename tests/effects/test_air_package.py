@@ -105,6 +105,10 @@ def test_an_unloaded_package_takes_power_and_delivers_nothing(unloaded):
     for name in ("package_specific_power", "package_isentropic_efficiency", "package_discharge_temperature"):
         assert found[name] is None
         assert "unloaded" in unloaded.notes[name]
+    for name in ("isothermal_efficiency", "electrical_isentropic_efficiency", "specific_power"):
+        assert found[name] is None  # of gas that nobody gets
+        assert "blown off" in unloaded.notes[name]
+    assert 0.0 < found.volumetric_efficiency < 0.2  # of the chambers, as any flow
     blown = found.gas_mass_flow * K / (K - 1.0) * R * (found.separator_temperature - 293.15)
     heats = found.oil_cooler_duty + found.motor_loss + found.fan_power
     assert found.package_input_power == pytest.approx(heats + blown, rel=ACCURACY)

@@ -66,6 +66,7 @@ ALLOWED = {
 IMPORTS = {  # of what an effect's file has
     "export/rotor_supports.py": {"bearings"},
     "solve/start_up.py": {"gas_torque"},
+    "study/datasheet/air_points.py": {"air_package"},
     "study/datasheet/air_rating.py": {"air_package"},
     "study/datasheet/load_unload.py": {"air_package"},
     "study/datasheet/air_sheet.py": {"air_package"},

@@ -123,6 +123,10 @@ def test_settings_of_a_sample_are_changed_from_outside(example):
             "1:15: sweep.zip: has axes of different lengths: oil_supply.ratio 2, machine.male_lobes 1 (make them",
         ),
         (
+            "{zip: [{oil_supply.ratio: [1, null], machine.male_lobes: [3, 4]}]}",
+            "1:38: sweep.zip.oil_supply.ratio: null is not a number",
+        ),
+        (
             "{zip: [{oil_supply.ratio: [1, 2]}], oil_supply.ratio: [1]}",
             "1:44: sweep.oil_supply.ratio: is varied twice (remove one)",
         ),

@@ -645,6 +645,16 @@ def test_a_byte_order_mark_is_no_fault(tmp_path, example):
     assert load(tmp_path / "x.yaml").title == "example"
 
 
+def test_an_effect_that_nothing_resembles_says_how_ones_own_are_named(example):
+    with pytest.raises(SceneError) as told:
+        loads(example, overrides=["effects.qqqqqq={}"])
+    assert "effects.qqqqqq: is not known; known here: " in str(told.value)
+    assert str(told.value).endswith("(one of your own has a dotted name, e.g. my_effects.spring)")
+    with pytest.raises(SceneError) as told:
+        loads(example, overrides=["effects.blow_hol={}"])
+    assert str(told.value).endswith("did you mean 'blow_hole'?")
+
+
 def test_an_own_effect_that_is_not_there_says_what_was_tried(example):
     assert faults_of(example.replace("  mechanical: {fraction: 0.05}", "  no_such_package.effect:")) == [
         "x.yaml:42:3: effects.no_such_package.effect: cannot be imported (No module named 'no_such_package'); "

@@ -5,7 +5,8 @@ import pytest
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.study.datasheet import SheetOptions, sheet_of
-from screwsim.study.datasheet.air_rating import Point, Rating
+from screwsim.study.datasheet.air_points import Point
+from screwsim.study.datasheet.air_rating import Rating
 from screwsim.study.datasheet.air_year import Demand, read_profile, year, year_document, year_table
 
 FULL, LEAST = 0.2, 0.1  # m³/s
@@ -34,21 +35,21 @@ def test_one_of_variable_speed_follows_the_flow_and_stops_below_its_lowest():
     package = rated(point(FULL, 80e3), point(0.15, 56e3), point(LEAST, 40e3))
     shares = year(package, PROFILE)
     assert [each.power for each in shares] == pytest.approx([80e3, 56e3, 20e3, 0.0])
-    assert "it starts and stops" in year_table(package, shares).note
+    assert "it starts and stops" in year_table(package, shares, ()).note
 
 
 def test_a_demand_above_full_flow_is_told_and_counts_what_is_given():
     package = rated(point(FULL, 80e3), unloaded=20e3)
     shares = year(package, PROFILE)
     assert shares[0].given == FULL
-    table = year_table(package, shares)
+    table = year_table(package, shares, ())
     assert table.note.startswith("during 100 h it delivers less than demanded, 12.00 m³/min")
     assert table.rows[-1][0] == "all" and table.rows[-1][1] == "1610"
 
 
 def test_parts_of_hours_are_shown_as_they_are_asked_for():
     package = rated(point(FULL, 80e3), unloaded=20e3)
-    table = year_table(package, year(package, (Demand(FULL, 0.5), Demand(0.0, 10.25))))
+    table = year_table(package, year(package, (Demand(FULL, 0.5), Demand(0.0, 10.25))), ())
     assert [row[1] for row in table.rows] == ["0.5", "10.25", "10.75"]
 
 

@@ -12,7 +12,7 @@ from screwsim.outputs import Result
 from screwsim.scene import loads
 from screwsim.scene.operation import P_D, P_S
 from screwsim.study.asked.inputs import ends_of
-from screwsim.study.datasheet.air_rating import Point
+from screwsim.study.datasheet.air_points import Point
 from screwsim.study.datasheet.gas_sheet import rating_request
 from screwsim.study.datasheet.machine_lines import machine_line, oil_line
 from screwsim.study.datasheet.rated import case_scene
@@ -188,7 +188,11 @@ def test_axes_are_the_sweeps_the_options_or_shares_of_the_scenes_own():
             ["--condensing", "30 degC..40 degC"],
             "--condensing: belongs to a refrigeration machine, and the",
         ),
-        ("paper/point", ["--suction", "1 bar"], "1 bar: is not LOW..HIGH (write e.g. --suction '4 bar..6 bar')"),
+        (
+            "paper/point",
+            ["--suction", "1 bar"],
+            "1 bar: is neither LOW..HIGH nor a list of values (write e.g. --suction '4 bar..6 bar')",
+        ),
         ("paper/point", ["--discharge", "9 bar..7 bar"], "is empty (LOW must be below HIGH)"),
         ("paper/point", ["--discharge", "7..9"], "--discharge 7..9: '7' has no unit"),
         ("paper/fig1", [], "but the scene varies"),

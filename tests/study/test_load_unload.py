@@ -1,18 +1,23 @@
 """Load and unload with a receiver (M471): limits, balances, an integral by steps, and the trade's curves."""
 
 import math
+import re
+from dataclasses import replace
 
 import pytest
 
+from screwsim.api import datasheet
 from screwsim.effects.air_package import Unloaded
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
-from screwsim.outputs.us_units import GALLON
+from screwsim.outputs.us_units import GALLON, HORSEPOWER
 from screwsim.scene import load
 from screwsim.study.datasheet import SheetOptions, sheet_of
-from screwsim.study.datasheet.air_rating import Point, Rating
+from screwsim.study.datasheet.air_points import Point
+from screwsim.study.datasheet.air_rating import Rating
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.load_unload import LoadUnload, Receiver, check_receiver, read_receiver
+from screwsim.study.datasheet.motor_starts import FOUR_POLES, most_starts
 from screwsim.study.datasheet.units import METRIC
 
 FLOW, POWER, SHUT, IDLE = 0.3, 100e3, 73e3, 25e3
@@ -88,12 +93,54 @@ def test_a_package_that_stops_starts_as_often_as_its_receiver_fills():
     period = machine.stored / 0.1 + machine.stored / 0.2
     assert shares[0].rate == pytest.approx(1.0 / period) and shares[1].rate == 0.0
     assert shares[0].power == pytest.approx(POWER / 3.0)
-    table = year_table(sheet, shares)
+    table = year_table(sheet, shares, ())
     assert table.heads[3] == "cycles/h" and table.rows[0][3] == f"{3600.0 / period:.1f}"
     assert "starts and stops, with a receiver of 2 m³ and a band of 0.7 bar (assumed)" in table.note
     document = year_document(shares, sheet.receiver)
     assert document["demands"][0]["cycles_per_hour"] == pytest.approx(3600.0 / period)
     assert document["receiver"] == {"volume": 2.0, "band": 0.7e5}
+
+
+MAINS = load("configs/air/fixed_speed_7.yaml").effects["motor"].parameters
+MOTOR = replace(MAINS, rated_power=100.0 * HORSEPOWER)
+
+
+@pytest.mark.parametrize(("motor", "told"), [(MOTOR, True), (replace(MOTOR, drive_efficiency=0.97), False)])
+def test_a_motor_on_the_mains_that_starts_too_often_is_told_with_the_receiver_that_helps(motor, told):
+    sheet = rated(LoadUnload(FLOW, POWER, Receiver(2.0).free_air(ATMOSPHERE)))
+    note = year_table(sheet, year(sheet, (Demand(0.5 * FLOW, 100.0),)), [motor]).note
+    assert ("a four-pole motor of 74.57 kW may 5.2 times (NEMA MG 10; a receiver of" in note) == told
+    if told:
+        volume = float(re.search(r"a receiver of ([\d.]+) m³ would do", note)[1])
+        rates = [
+            3600.0 * LoadUnload(FLOW, POWER, Receiver(each).free_air(ATMOSPHERE)).cycle(0.5 * FLOW).rate
+            for each in (volume, 0.98 * volume)
+        ]
+        assert rates[0] <= 5.2 < rates[1]
+        assert f"it starts up to {3600.0 * sheet.control.cycle(0.5 * FLOW).rate:.3g} times an hour" in note
+
+
+def test_a_package_that_loads_before_it_is_vented_is_told_and_one_with_a_large_receiver_is_not():
+    idle = Point(300.0, Result("ok", performance=Figures(free_air_delivered=0.0, package_input_power=IDLE)))
+    for volume, told in ((2.0, True), (20.0, False)):
+        sheet = replace(rated(package(volume), idle), receiver=Receiver(volume))
+        note = year_table(sheet, year(sheet, (Demand(0.5 * FLOW, 100.0), Demand(0.0, 1.0))), [MOTOR]).note
+        off = Receiver(volume).free_air(ATMOSPHERE) / (0.5 * FLOW)
+        assert (
+            (f"it loads again after {off:.0f} s, before its separator is vented in 40 s" in note) == told == (off < 40)
+        )
+        if told:
+            needed = float(re.search(r"a receiver of ([\d.]+) m³ would do", note)[1])
+            assert 1.0 <= needed * off / volume / 40.0 < 1.1
+
+
+def test_larger_motors_may_start_less_often():
+    allowed = [most_starts(hp * HORSEPOWER) for hp in (0.5, 1, 7.5, 20, 100, 250)]
+    assert allowed == [30.0, 30.0, 13.9, 9.6, 5.2, 3.7]
+    assert most_starts(110e3) == 4.5  # 147.5 hp: the row of 150
+    assert most_starts(300.0 * HORSEPOWER) is None
+    rates = [rate for _, rate in FOUR_POLES]
+    assert rates == sorted(rates, reverse=True)
 
 
 def test_a_sheet_counts_three_simulated_points_of_the_package(tmp_path):
@@ -102,6 +149,10 @@ def test_a_sheet_counts_three_simulated_points_of_the_package(tmp_path):
     profile = str(tmp_path / "loads.csv")
     sheet = sheet_of(scene, SheetOptions(profile=profile, receiver="2 m^3", band="0.7 bar"))
     plain = sheet_of(scene, SheetOptions(profile=profile))
+    again = datasheet(scene, profile=profile, receiver="2 m^3", band="0.7 bar")
+    assert again.document["profile"] == sheet.document["profile"]
+    with pytest.raises(UsageError, match="--receiver: 'two' is not"):
+        datasheet(scene, profile=profile, receiver="two")
     found, ideal = (each.document["profile"]["demands"][0] for each in (sheet, plain))
     full, idle = plain.document["points"][0], plain.document["unloaded"]["package_input_power"]
     half = 9.2 / 60.0 / full["free_air_delivered"]

@@ -17,7 +17,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.results import open_results
 from screwsim.scene import load, loads
-from screwsim.study.maps.map_points import evaluate_map
+from screwsim.study.maps.map_points import evaluate_map, place_in_words
 from screwsim.study.maps.performance_map import PerformanceMap, performance_maps, polynomial, usual_figures
 from screwsim.study.sweep import run_sweep
 
@@ -286,6 +286,18 @@ def test_another_axis_chooses_the_map(tmp_path):
         evaluate_map(results, 273.15, 313.15, NO_CAPACITY)
     with pytest.raises(UsageError, match=r"there is no map for it \(there are maps at"):
         evaluate_map(results, 273.15, 313.15, NO_CAPACITY, speed=100.0)
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "shown"),
+    [
+        ("machine.bore", 0.06, "machine.bore = 60 mm"),  # of a slider-crank
+        ("machine.rotor_diameter", 0.16, "machine.rotor_diameter = 160 mm"),
+        ("effects.my.spring.stiffness", 3.0, "effects.my.spring.stiffness = 3"),  # of a module of one's own
+    ],
+)
+def test_axes_of_any_machine_are_told_with_their_units(path, value, shown):
+    assert place_in_words({path: value}) == shown
 
 
 def test_what_varies_with_a_temperature_is_told_and_cannot_be_chosen(tmp_path, capsys):

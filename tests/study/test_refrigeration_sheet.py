@@ -415,7 +415,11 @@ def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
         ("control/point", ["--limit", "discharge_temperature<90"], "90 has no unit (write one of K"),
         ("control/point", ["--limit", "cop>much"], "'much' is not a number with a unit (write a number with one of"),
         ("control/point", ["--limit", "water_flow<1"], "is not a figure of this scene"),
-        ("control/point", ["--evaporating", "5 degC"], "5 degC: is not LOW..HIGH (write e.g. --evaporating '-10"),
+        (
+            "control/point",
+            ["--evaporating", "5 degC"],
+            "5 degC: is neither LOW..HIGH nor a list of values (write e.g. --evaporating '-10",
+        ),
         ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),
         (
             "control/point",

@@ -26,6 +26,7 @@ SHIPPED = {  # what is asked of each: the scene, changes, options
     "slide valve": ("rotors/b", (SLIDE, "effects.slide_valve={}", "numerics.accuracy=1e-3"), {}),
     "air, variable speed": ("air/variable_speed_7", (), {}),
     "air, fixed speed": ("air/fixed_speed_10", (), {}),
+    "air over pressures": ("air/variable_speed_7", (), {"discharge": "8, 8.5, 11, 14 bar"}),
     "humid air": ("air/humid_package", (), {}),
     "gas": ("paper/point", (), {}),
     "expander": ("expander/point", (), {}),

@@ -211,6 +211,23 @@ def test_a_packages_figures_are_those_of_iso_1217(package):
     assert 0.0 < found.error.package_specific_power < 3e-4
 
 
+def test_a_package_is_rated_at_other_outlet_pressures_at_the_speeds_of_its_sheet(package):
+    sheet = sheet_of(read_stages(package), SheetOptions(ranges={"--discharge": "8, 9.5 bar"}, jobs=1))
+    own, higher = sheet.document["pressures"]
+    assert (own["outlet_pressure"], higher["outlet_pressure"]) == (8e5, 9.5e5)
+    for kind, place in (("full_flow", 0), ("lowest_flow", -1)):
+        point = sheet.document["points"][place]
+        for name in ("first_speed", "second_speed", "free_air_delivered", "package_input_power"):
+            assert own[kind][name] == pytest.approx(point[name], rel=1e-9)
+    assert higher["full_flow"]["package_input_power"] > own["full_flow"]["package_input_power"]
+    cells = dict(zip(table(sheet, "Full flow over").heads, table(sheet, "Full flow over").rows[1], strict=True))
+    assert number(cells["bar over inlet"]) == 8.5
+    found = higher["full_flow"]
+    loads = [100.0 * found["first_shaft_power"] / 55e3, 100.0 * found["second_shaft_power"] / 45e3]
+    assert [float(each) for each in cells["motors %"].split("/")] == pytest.approx(loads, abs=0.51)
+    assert "bounded_by_motor" not in higher
+
+
 def test_the_second_stage_alone_has_no_figure_of_free_air_as_it_draws_in_what_the_first_has_compressed(tmp_path):
     low, high = (each | {"effects.air_package": {"rated_flow": "20 m^3/min"}} for each in (AIR_LOW, AIR_HIGH))
     found = run_stages(read_stages(written(tmp_path, low, high)))
@@ -335,7 +352,7 @@ def test_speeds_of_a_package_are_those_that_motors_on_the_mains_reach(package, m
     ("which", "arguments", "words"),
     [
         ("plant", ["--suction", "1 bar..2 bar"], "--suction: belongs to a machine whose lines are stated by pressures"),
-        ("plant", ["--evaporating", "-20 degC"], "--evaporating -20 degC: is not LOW..HIGH"),
+        ("plant", ["--evaporating", "-20 degC"], "--evaporating -20 degC: is neither LOW..HIGH nor a list"),
         ("plant", ["--evaporating", "38 degC..40 degC", "--condensing", "39 degC..41 degC"], "no point of the table"),
         (
             "plant",
@@ -346,7 +363,8 @@ def test_speeds_of_a_package_are_those_that_motors_on_the_mains_reach(package, m
         ("plant", ["--profile", "x.csv"], "--profile: belongs to an air package"),
         ("plant", ["--without", "tip_leakage"], "stages have no --without"),
         ("plant", ["--set", "operation.speed=1 rpm"], "starts with neither first. nor second."),
-        ("package", ["--discharge", "7 bar..9 bar"], "--discharge: belongs to"),
+        ("package", ["--suction", "1 bar..2 bar"], "--suction: belongs to"),
+        ("package", ["--discharge", "0.9 bar, 8 bar"], "0.9 bar is not above the 1 bar of the inlet"),
         ("package", ["--heating"], "--heating: belongs to a refrigeration machine"),
     ],
 )

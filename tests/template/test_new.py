@@ -3,6 +3,7 @@
 import csv
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -926,6 +927,16 @@ def test_oil_of_a_thin_gas_is_told_as_a_plain_number():
     assert "160 kg of oil per kg of gas" in list(sized_told(request_of(), failed))[1]
 
 
+@pytest.mark.parametrize(
+    ("condition", "told"),
+    [("0 bar(g)/25 bar(g)", True), ("0 bar(g)/13 bar(g)", False), ("4.1 bar(g)/25 bar(g), 80 degC", False)],
+)
+def test_an_outlet_for_two_stages_is_told(condition, told):
+    asked = request_of(displacement="300 m^3/h", condition=condition)
+    lines = list(sized_told(asked, stated_machine("air", asked)))
+    assert any(line.startswith("a pressure ratio of 26 in one stage: makers build one") for line in lines) == told
+
+
 def test_a_size_that_is_stated_needs_no_search():
     asked = request_of(displacement="520 m^3/h", motor="45 kW", pressure="8 bar(g)")
     assert not asked.by_sheet
@@ -933,6 +944,21 @@ def test_a_size_that_is_stated_needs_no_search():
     assert scene.title == "Air package, 520 m^3/h at 2950 rpm, motor of 45 kW, 8 bar(g)"
     assert scene.effects["motor"].parameters.rated_power == pytest.approx(45e3)
     assert scene.operation.discharge.pressure == pytest.approx(9e5)
+
+
+@pytest.mark.parametrize(
+    ("motor", "flow", "told"),
+    [
+        ("100 hp", None, "motor of 100 hp"),
+        ("45kW", "250cfm", "250 cfm of free air, motor of 45 kW"),
+        (" 45 kW ", " 7.5 m^3/min", "7.5 m^3/min of free air, motor of 45 kW"),
+    ],
+)
+def test_a_title_states_motor_and_flow_as_the_command_did(motor, flow, told):
+    size = {"displacement": "520 m^3/h"} if flow is None else {"free_air": flow}
+    asked = request_of(motor=motor, pressure="8 bar(g)", **size)
+    title = re.search(r'^title: "(.*)"$', new_scene("air", replace(asked, flow=0.15)), re.MULTILINE)[1]
+    assert title.endswith(f", {told}, 8 bar(g)")
 
 
 @pytest.mark.parametrize(("vi", "closes"), [(None, 545.0), (1.2, 522.0)])

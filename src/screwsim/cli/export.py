@@ -109,8 +109,9 @@ def fmu(
     if kind == "polynomial":
         table = polynomial_table(table, wanted)
     make_folder(output.parent)
-    write_fmu(table, output, version, compiled=not sources_only)
-    return print_map_and_files(table, [str(output)], as_json, options.changes(overrides, without))
+    changed = options.changes(overrides, without)
+    write_fmu(options.titled(table, changed), output, version, compiled=not sources_only)
+    return print_map_and_files(table, [str(output)], as_json, changed)
 
 
 @app.command()
@@ -135,11 +136,11 @@ def modelica(
     protect_unmarked(output, WRITTEN_MARK)
     told = _announced_after(lambda scene, inputs: check_inputs(inputs))
     table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, told)
-    name = identifier(output.stem)
-    written = [_write_content(output, package(table, name))]
+    name, changed = identifier(output.stem), options.changes(overrides, without)
+    written = [_write_content(output, package(options.titled(table, changed), name))]
     if name != output.stem:
         say(f"{output}: holds package {name}; tools that look packages up by file name expect {name}.mo", err=True)
-    return print_map_and_files(table, written, as_json, options.changes(overrides, without))
+    return print_map_and_files(table, written, as_json, changed)
 
 
 @app.command("csv")
@@ -163,8 +164,9 @@ def comma_separated(
 
     protect_unmarked(output, TITLE_SEPARATOR)
     table = map_of(source, over, figures, wanted, most, overrides, without, jobs, _BAR, _announce_map)
-    files = [_write_content(output, csv_table(table))]
-    return print_map_and_files(table, files, as_json, options.changes(overrides, without))
+    changed = options.changes(overrides, without)
+    files = [_write_content(output, csv_table(options.titled(table, changed)))]
+    return print_map_and_files(table, files, as_json, changed)
 
 
 @app.command()
@@ -227,7 +229,8 @@ def tespy(
         why = "TESPy ignores heat added to the gas, e.g. by a motor, so its discharge temperature is too low"
         say(f"export: {why} (dissipation_ratio_range: as a share of the power)", err=True)
     changed = options.changes(overrides, without)
-    return _print_polynomials_and_files(document, FIGURES, rows, [_write_content(output, document)], as_json, changed)
+    written = {**document, "title": options.title_with(document["title"], changed)}
+    return _print_polynomials_and_files(document, FIGURES, rows, [_write_content(output, written)], as_json, changed)
 
 
 @app.command()
@@ -251,8 +254,9 @@ def energyplus(
     with swept_results(source, over, overrides, without, jobs, _BAR(), told) as results:
         found = polynomials(results, [made_for.power_of(results.figures), made_for.CAPACITY])
     objects = made_for.energyplus_objects(found, output.stem)
-    text = output.suffix.lower() == ".idf"
-    file = _write_content(output, made_for.idf(objects, made_for.notes(found)) if text else made_for.epjson(objects))
+    text, changed = output.suffix.lower() == ".idf", options.changes(overrides, without)
+    notes = made_for.notes(options.titled(found, changed))
+    file = _write_content(output, made_for.idf(objects, notes) if text else made_for.epjson(objects))
     curves = [made_for.normalised(one, rated_temperatures(one)) for one in found.maps]
     rows = [
         (at, [*errors, *(error for _, error in curve.values())])
@@ -260,7 +264,6 @@ def energyplus(
     ]
     errors = [{word: error for word, (_, error) in curve.items()} for curve in curves]
     said = {**document(found), "objects": objects, "largest_errors_of_normalised": errors}
-    changed = options.changes(overrides, without)
     return _print_polynomials_and_files(said, [*found.units, *curves[0]], rows, [file], as_json, changed)
 
 
@@ -289,9 +292,10 @@ def en12900(
         found = polynomials(results, [*made_for.FIGURES, *optional])
     if other := made_for.other_condensing(found):
         say(f"export: {other}", err=True)
-    document = made_for.en12900_document(found, ip)
-    file = _write_content(output, made_for.en12900_csv(found, ip) if output.suffix.lower() == ".csv" else document)
     changed, errors = options.changes(overrides, without), _polynomial_errors(found)
+    document, titled = made_for.en12900_document(found, ip), options.titled(found, changed)
+    made = made_for.en12900_csv if output.suffix.lower() == ".csv" else made_for.en12900_document
+    file = _write_content(output, made(titled, ip))
     return _print_polynomials_and_files(document, list(found.units), errors, [file], as_json, changed)
 
 
@@ -332,8 +336,9 @@ def loads(
         say(f"export: {found.without}", err=True)
     if assumed := found.supports and assumed_of(found.supports[0]):
         say(f"export: {assumed}", err=True)
-    files = write_loads(scene, result, found, output, steps or REVOLUTION_STEPS)
-    printed = partial(print_loads, changed=options.changes(overrides, without))
+    changed = options.changes(overrides, without)
+    files = write_loads(scene, result, options.titled(found, changed), output, steps or REVOLUTION_STEPS)
+    printed = partial(print_loads, changed=changed)
     print_document_or_text(as_json, loads_document, printed, found, result, files)
     options.tell_left(output, files, "forces*.csv", "*_rotor.xdmf", "*_rotor.h5")
     return OK if result.status == "ok" else NOT_ALL_OK

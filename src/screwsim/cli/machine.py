@@ -96,7 +96,9 @@ def datasheet(
     suction: Text = option(
         "LOW..HIGH", "Suction pressures of the table (gas compressor), or inlet pressures of an expander."
     ),
-    discharge: Text = option("LOW..HIGH", "Its discharge pressures, or outlet pressures of an expander."),
+    discharge: Text = option(
+        "LOW..HIGH", "Its discharge pressures, or outlet pressures of an expander or an air package; a range or a list."
+    ),
     limits: Texts = option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeatable.", "--limit"),
     heating: bool = switch(
         "--heating", "Add tables of heating capacity and heating COP, part loads by it (heat pump)."

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -115,6 +116,16 @@ def counted_progress(title: str, what: str) -> Iterator[Progress]:
 def changes(overrides: Sequence[str] | None, without: Sequence[str] | None) -> list[str]:
     """Return in words what a command line changes in its scene, which its title does not tell."""
     return [*(f"with {each}" for each in overrides or ()), *(f"without {each}" for each in without or ())]
+
+
+def titled(found: Any, changed: Sequence[str]) -> Any:
+    """Return what is exported with what the command line changes behind its title, which does not tell it."""
+    return replace(found, title=title_with(found.title, changed))
+
+
+def title_with(title: str, changed: Sequence[str]) -> str:
+    """Return a title with what the command line changes in its scene, on one line."""
+    return " ".join(", ".join(filter(None, (title, *changed))).split()) if changed else title
 
 
 def print_document_or_text(

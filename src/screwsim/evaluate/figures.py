@@ -17,6 +17,7 @@ from screwsim.effects import having
 from screwsim.effects.base import DISCHARGE, SUCTION, Drawn, FlowPath, Given, Plenum, Separator
 from screwsim.effects.parts.usual import SLIDES
 from screwsim.evaluate import humidity, performance
+from screwsim.evaluate.package import without_delivery
 from screwsim.evaluate.separator import Circuit
 from screwsim.figures import Performance, figures_declared_elsewhere
 from screwsim.machine.settings import TURN
@@ -80,6 +81,7 @@ def figures_of(of: Evaluation) -> Read:
     if parts.walls:
         found["wall_heat"] = float(walls_of(problem.composition, of.q)[:, 0].sum()) * problem.rate
     take(performance.readings(parts, of.known, found))
+    take(without_delivery(problem))
     values = dict(zip(about, map(found.get, about), strict=True))
     none = {name: notes.get(name, NO_REASON) for name, value in values.items() if value is None}
     return Performance(values, about), none

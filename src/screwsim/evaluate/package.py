@@ -1,4 +1,4 @@
-"""Whether a package's pressure losses are those at its flow.
+"""Whether a package's pressure losses are those at its flow, and which figures it has none of while unloaded.
 
 Source: docs/model.md M343.
 """
@@ -7,6 +7,13 @@ from typing import NamedTuple
 
 from screwsim.build import package_of
 from screwsim.cycle.problem import Problem
+from screwsim.effects.base import Given
+
+OVER_DELIVERY = (
+    *("isothermal_efficiency", "ideal_isothermal_efficiency", "isentropic_efficiency", "specific_power"),
+    *("electrical_isothermal_efficiency", "electrical_isentropic_efficiency"),
+)
+BLOWN_OFF = "the package is unloaded: the gas that its machine moves is blown off, and nothing is delivered"
 
 
 class Package(NamedTuple):
@@ -29,3 +36,9 @@ def package_residual(problem: Problem, flow: float | None) -> Package | None:
     found = package.losses(max(flow or 0.0, 0.0) / problem.inlet.density, problem.lines.p_s, outlet)
     before, behind = found.before - posed.before, found.behind - posed.behind
     return Package(before, behind, max(abs(before) / problem.lines.p_s, abs(behind) / outlet))
+
+
+def without_delivery(problem: Problem) -> Given:
+    """Return why figures that judge the gas that is delivered have no value; nothing of a package that delivers."""
+    package = package_of(problem.scene)
+    return {} if package is None or package.delivers else dict.fromkeys(OVER_DELIVERY, BLOWN_OFF)

@@ -22,6 +22,8 @@ PLAIN = {"°C": "degC", "²": "^2", "³": "^3"}  # in heads, as in all tables of
 DIGITS = 6  # significant digits of a number
 STAGE = re.compile("^(first|second)_")  # before the operating state of one of two stages
 OPERATION = "operation."  # before the path of an axis
+OUTLET, FLOW = "outlet_pressure", "flow"  # of the points of an air package at other outlet pressures
+AT_PRESSURES = ("full_flow", "lowest_flow", "geared")
 SEPARATOR = "; "  # between limits, and between warnings
 
 
@@ -32,9 +34,9 @@ def check_table(output: Path) -> None:
 
 def write_table(document: Mapping[str, Any], output: Path) -> str:
     """Write the points of a sheet's document; return the path."""
-    points: Sequence[Mapping[str, Any]] = document["points"]
+    points = _points(document)
     apart = (STATUS, "message", WARNINGS, "error", "notes")
-    axes = document.get("axes", {})
+    axes = {OUTLET: "pressure", **document.get("axes", {})}
     names = list(dict.fromkeys(name for each in points for name in each if name not in apart))
     values = {name: [each.get(name) for each in points] for name in names}
     columns = [_column(name, values, axes) for name in names]
@@ -43,6 +45,20 @@ def write_table(document: Mapping[str, Any], output: Path) -> str:
     ends = [[status, SEPARATOR.join(each[WARNINGS])] for status, each in zip(told, points, strict=True)]
     cells = zip(*(values for _, values in columns), strict=True)
     return write_csv(output, heads, [[*row, *end] for row, end in zip(cells, ends, strict=True)])
+
+
+def _points(document: Mapping[str, Any]) -> Sequence[Mapping[str, Any]]:
+    """Return the points of a sheet, behind those of an air package the ones at its other outlet pressures."""
+    others = document.get("pressures", ())
+    if not others:
+        return document["points"]
+    own = [{OUTLET: document["discharge_pressure"], **point} for point in document["points"]]
+    return own + [
+        {OUTLET: each[OUTLET], FLOW: name.replace("_", " "), **each[name]}
+        for each in others
+        for name in AT_PRESSURES
+        if name in each
+    ]
 
 
 def _column(name: str, every: Mapping[str, Sequence[Any]], axes: Mapping[str, str | None]) -> tuple[str, list[str]]:

@@ -157,7 +157,8 @@ def columns_of(table: Any, size: float, width: float = 0.0) -> Columns:
     gap, least = gap_of(size), []
     for i, head in enumerate(table.heads):
         cells = max((width_of(row[i], size) for row in table.rows), default=0.0)
-        least.append(max(cells, *(width_of(word, size) for word in head.split(" "))) + (gap if i else 0.0))
+        words = (width_of(word, size) for word in _UNIT.sub(_FIXED, head).split(" "))
+        least.append(max(cells, *words) + (gap if i else 0.0))
     share = max(width / sum(least), 1.0)
     widths = [share * each for each in least]
     rooms = (each - (gap if i else 0.0) + 0.01 for i, each in enumerate(widths))

@@ -141,7 +141,9 @@ def find_effect_section(name: str) -> tuple[Effect, Section]:
     try:
         return imported(name, lambda: _declared(find_effect(name), "parameters"))
     except KeyError:
-        raise Refused(unknown_key(name, catalogue())) from None
+        told = unknown_key(name, catalogue())
+        remedy = " (one of your own has a dotted name, e.g. my_effects.spring)" if "known here" in told else ""
+        raise Refused(f"{told}{remedy}") from None
 
 
 def find_kind(name: str) -> None:

@@ -117,9 +117,11 @@ def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, fi
         return []
     found = []
     for number, group in enumerate(node.value, 1):
+        before = len(problems)
         axes = read_axes(group, path, leaf_of, problems, distinct=False)
         lengths = {name: len(values) for name, values in axes.items() if values}
-        if len(set(lengths.values())) > 1:
+        whole = len(problems) == before  # else an axis lacks values that cannot be read
+        if whole and len(set(lengths.values())) > 1:
             told = ", ".join(f"{name} {length}" for name, length in lengths.items())
             problems.add(group.place, path, f"has axes of different lengths: {told} (make them equal)")
         elif not group.value:

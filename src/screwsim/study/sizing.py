@@ -33,6 +33,7 @@ UNSTEADY_PORT = (
 )
 ELSEWHERE = 0.01  # relative difference of a package's inlet pressure from that of its surroundings that is told
 STEADY = 0.01  # departure of the draw ratio from 1 within which a port draws what the liquid gives off
+ONE_STAGE = 16.0  # highest usual pressure ratio: 13 to 15 bar gauge (wiki.pneusmart.io, Two-Stage Compressors)
 LIGHT = 0.6  # motor load below which sheet and machine hardly match
 
 
@@ -179,8 +180,12 @@ def _power(power: float) -> str:
 
 
 def _unusual(asked: SceneRequest, found: SizedMachine) -> Iterator[str]:
-    """Yield how a stated motor hardly fits the machine, and of rotors that turn fast, a line each."""
+    """Yield of an outlet for two stages, how a stated motor hardly fits the machine, of fast rotors, a line each."""
     p, scene = found.result.performance, found.scene
+    if DELIVERED in p and p.package_discharge_pressure > ONE_STAGE * p.suction_pressure:
+        ratio = p.package_discharge_pressure / p.suction_pressure
+        what = f"a pressure ratio of {ratio:.3g} in one stage: makers build one for 13 to 15 bar(g) at most"
+        yield f"{what}, and two beyond (docs/how-to/two-stages.md joins two scenes)"
     load = abs(p.shaft_power) / _rated_power(scene)
     if asked.motor is not None and not LIGHT <= load <= SERVICE_FACTOR:
         word = "more" if load > SERVICE_FACTOR else "less"

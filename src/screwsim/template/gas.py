@@ -1,6 +1,7 @@
 """Screws on gases: what their texts have in common, and an air package."""
 
 import math
+import re
 import textwrap
 from typing import NamedTuple
 
@@ -10,7 +11,7 @@ from screwsim.fluid.oils import OILS
 from screwsim.inputs.faults import UsageError
 from screwsim.machine.rotors.settings import FAMILIES
 from screwsim.outputs.customary import RPM, ZERO_CELSIUS, in_bar
-from screwsim.scene.units import is_gauge
+from screwsim.scene.units import NUMBER, is_gauge
 from screwsim.template import sizes, texts
 from screwsim.template.request import ATMOSPHERE, Condition, SceneRequest, condition_of, quantity_after_comma
 
@@ -253,8 +254,14 @@ def _speeds(asked: SceneRequest, rated: float, speed: float) -> dict[str, str]:
 
 def _title_part(asked: SceneRequest) -> str:
     """Return the part of the title on a machine made for a sheet; empty without one."""
-    stated = [] if asked.free_air is None else [f"{60.0 * asked.free_air:.4g} m^3/min of free air"]
-    return ", ".join(stated + ([] if asked.motor is None else [f"motor of {1e-3 * asked.motor:.6g} kW"]))
+    flow = [] if asked.free_air is None else [f"{_spaced(asked.flow_text)} of free air"]
+    return ", ".join(flow + ([] if asked.motor is None else [f"motor of {_spaced(asked.motor_text)}"]))
+
+
+def _spaced(text: str) -> str:
+    """Return a quantity as it was stated, with a space before its unit."""
+    match = re.fullmatch(rf"\s*({NUMBER})\s*(\S.*?)\s*", text)
+    return text.strip() if match is None else f"{match[1]} {match[2]}"
 
 
 def _sheet_comment(asked: SceneRequest) -> str:

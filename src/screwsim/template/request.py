@@ -61,6 +61,7 @@ class SceneRequest:
     load: float | None = None  # of the motor, found with that flow, [W]
     molar: float | None = None  # delivered by a booster, [mol/s], of a flow at a standard state: its size is sought
     flow_text: str = ""  # what is to be delivered, as stated
+    motor_text: str = ""  # the rated power, as stated
 
     @property
     def by_sheet(self) -> bool:
@@ -113,7 +114,7 @@ def request_of(
         flow = sizes.displaced(rotor, turns or SPEED)
     return SceneRequest(
         fluid, flow, turns, vi, oil, condition, rotor, rated, delivered, duty, economizer, slide, variable,
-        molar=molar, flow_text=free_air or "",
+        molar=molar, flow_text=free_air or "", motor_text=(motor or "").strip(),
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs import EFFICIENCY, Result
 from screwsim.results.left_out import left_out_words
 from screwsim.scene import Scene, without_sweep
+from screwsim.study.datasheet.air_pressures import OPTION as OUTLETS
 from screwsim.study.datasheet.air_year import Demand, read_profile
 from screwsim.study.datasheet.bounds import limits_of
 from screwsim.study.datasheet.load_unload import BAND_OPTION, Receiver, read_receiver
@@ -100,9 +101,10 @@ def _sheet_of_scene(scene: Scene, asked: SheetOptions) -> Sheet:
         from screwsim.study.datasheet.air_sheet import air_sheet
         from screwsim.study.datasheet.hottest_room import room_limits
 
-        _refuse_unused_options({**asked.of_points, "--limit": None}, "the scene is an air package")
+        taken = dict.fromkeys(("--limit", OUTLETS))
+        _refuse_unused_options({**asked.of_points, **taken}, "the scene is an air package")
         demands, bounds = asked.demands, room_limits(scene, asked.limits)
-        rated = air_rating(scene, asked.progress, bounds, asked.storage)
+        rated = air_rating(scene, asked.progress, bounds, asked.storage, asked.ranges.get(OUTLETS))
         return air_sheet(scene, replace(rated, units=BY_NAME[asked.units]), demands)
     _refuse_unused_options(asked.of_packages, "the scene is not one")
     from screwsim.study.datasheet.rated import rating
@@ -135,8 +137,9 @@ def _sheet_of_stages(chain: StageChain, asked: SheetOptions) -> Sheet:
 
     units = BY_NAME[asked.units]
     if is_air_package(chain):
-        _refuse_unused_options(asked.of_points, "the stages compress air as a package")
-        return air_stages_sheet(chain, asked.demands, asked.storage, asked.jobs, asked.progress, units)
+        _refuse_unused_options({**asked.of_points, OUTLETS: None}, "the stages compress air as a package")
+        at = asked.ranges.get(OUTLETS)
+        return air_stages_sheet(chain, asked.demands, asked.storage, asked.jobs, asked.progress, units, at)
     _refuse_unused_options(asked.of_packages, "the two stages are not one (air, and a motor in both)")
     from screwsim.study.datasheet.stages_sheet import stages_sheet
 

@@ -5,60 +5,31 @@ package with a fan is air-cooled, one without is liquid-cooled.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from screwsim.effects.air_package import FREE_AIR, INPUT_POWER, UNLOADED, Unloaded
+from screwsim.effects.air_package import UNLOADED, Unloaded
 from screwsim.effects.parts.rating import STANDARDS, WEIGHTS, outside_scope, part_load_efficiency
-from screwsim.figures import rotor_speed
 from screwsim.inputs.faults import UsageError
 from screwsim.numerics.pchip import Pchip
-from screwsim.outputs import Result
 from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import Lines, lines
-from screwsim.simulate import simulate_many
+from screwsim.scene.operation import P_D
 from screwsim.study.asked.goals import Bound
+from screwsim.study.datasheet.air_points import EFFICIENCY, SPEED, Point, points_at
+from screwsim.study.datasheet.air_pressures import AtPressure, at_pressures, read_pressures
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.hottest_room import Room, hottest_rooms
 from screwsim.study.datasheet.load_unload import PATH, LoadUnload, Receiver, check_receiver
-from screwsim.study.datasheet.rated import base_of
+from screwsim.study.datasheet.rated import base_of, swept_values
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.pool.progress import Progress
 
-SPEED, STATE = "operation.speed", "effects.air_package.state"
+STATE = "effects.air_package.state"
 LOAD_TOLERANCE = 0.01  # of full flow, tolerance within which a load is met
-EFFICIENCY = "package_isentropic_efficiency"
 REFERENCE_INLET = 1e5, 293.15  # Pa, K
 ELSEWHERE = "rated at an inlet other than the 1 bar and 20 °C at which data sheets are compared"
-
-
-class Point(NamedTuple):
-    """A point of the sheet: speed [rad/s], as set, and result."""
-
-    speed: float
-    result: Result
-
-    @property
-    def rotor_speed(self) -> float:
-        """Speed of the rotors [rad/s]: as set, or what a motor on the mains reaches."""
-        return rotor_speed(self.result.performance, self.speed)
-
-    @property
-    def flow(self) -> float:
-        """Free air delivered [m³/s]; zero where the point did not close."""
-        return float(self.result.performance.get(FREE_AIR) or 0.0) if self.ok else 0.0
-
-    @property
-    def power(self) -> float:
-        """Input power [W] of a point that closed."""
-        return float(self.result.performance[INPUT_POWER])
-
-    @property
-    def ok(self) -> bool:
-        """Whether the point closed."""
-        return self.result.status == "ok"
 
 
 @dataclass(frozen=True)
@@ -96,6 +67,7 @@ class Rating:
     units: Units = METRIC
     receiver: Receiver | None = None
     control: LoadUnload | None = None
+    pressures: Sequence[AtPressure] = ()
 
     @property
     def full(self) -> Point:
@@ -104,13 +76,19 @@ class Rating:
 
 
 def rating(
-    scene: Scene, progress: Progress | None = None, bounds: Sequence[Bound] = (), receiver: Receiver | None = None
+    scene: Scene,
+    progress: Progress | None = None,
+    bounds: Sequence[Bound] = (),
+    receiver: Receiver | None = None,
+    pressures: str | None = None,
 ) -> Rating:
     """Return the rating of an air package, with the hottest room for each limit, and its control with a receiver.
 
+    `pressures` states other outlet pressures at which it is rated as well; without them those of the sweep are.
     Raises UsageError where a scene leaves open what is rated.
     """
-    base = base_of(scene, {SPEED}, f"the values of sweep.{SPEED} of an air package")
+    base = base_of(scene, {SPEED, P_D}, f"the values of sweep.{SPEED} and sweep.{P_D} of an air package")
+    outlets = read_pressures(base, lines(base).p_s, pressures, swept_values(scene, P_D))
     package = scene.effects["air_package"].parameters
     if package.state == UNLOADED:
         raise UsageError(f"datasheet: {STATE} is unloaded, but an unloaded package delivers nothing (write loaded)")
@@ -120,23 +98,25 @@ def rating(
     vents = receiver is not None and package.unloaded is not None
     if receiver is not None:
         check_receiver(receiver, lines(base).p_s, lines(base).p_d, package.unloaded)
-    progress.start(len(speeds) + (package.unloaded is not None) + vents + len(bounds), 0)
+    progress.start(len(speeds) + (package.unloaded is not None) + vents + len(bounds) + 2 * len(outlets), 0)
     try:
-        points = _rated_points(base, speeds, progress)
+        points = points_at(base, speeds, progress)
         if package.unloaded is not None:
-            idle = _rated_points(with_values(base, {STATE: UNLOADED}), speeds[-1:], progress)[0]
+            idle = points_at(with_values(base, {STATE: UNLOADED}), speeds[-1:], progress)[0]
         if vents:
             full = with_values(base, {STATE: UNLOADED, f"{PATH}.separator_pressure": lines(base).p_d})
-            shut = _rated_points(full, speeds[-1:], progress)[0]
+            shut = points_at(full, speeds[-1:], progress)[0]
         regulation = _regulation(base, points, variable, coolant, progress) if points[0].flow > 0.0 else None
         rooms = []
         for room in hottest_rooms(with_values(base, {SPEED: float(speeds[0])}), bounds, points[0].result):
             rooms.append(room)
             progress.advance(1, room.temperature is None)
+        others = at_pressures(base, outlets, speeds, points[0], progress)
     finally:
         progress.stop()
     control = None if receiver is None else control_of(receiver, lines(base), points, package.unloaded, shut, idle)
-    return Rating(points, idle, regulation, variable, coolant, rooms, receiver=receiver, control=control)
+    found = Rating(points, idle, regulation, variable, coolant, rooms, receiver=receiver, control=control)
+    return replace(found, pressures=others)
 
 
 def control_of(
@@ -160,15 +140,6 @@ def control_of(
     if not (shut.ok and idle.ok):
         return None
     return LoadUnload.vents(receiver, at, least.result.performance, unloaded, shut.power, idle.power)
-
-
-def _rated_points(base: Scene, speeds: Sequence[float], progress: Progress) -> list[Point]:
-    results = simulate_many([with_values(base, {SPEED: float(speed)}) for speed in speeds], trace=False)
-    points = []
-    for speed, result in zip(speeds, results, strict=True):
-        points.append(Point(float(speed), result))
-        progress.advance(1, not points[-1].ok)
-    return points
 
 
 def _regulation(base: Scene, points: Sequence[Point], variable: bool, coolant: str, progress: Progress) -> Regulation:
@@ -209,7 +180,7 @@ def _loads(base: Scene, points: Sequence[Point], progress: Progress) -> tuple[li
     flows, speeds = (np.array(column) for column in zip(*good, strict=True))
     lower = [load for load in sorted(WEIGHTS, reverse=True) if load < 1.0]
     progress.more(len(lower))
-    found = _rated_points(base, [float(Pchip(flows, speeds)(load * full)) for load in lower], progress)
+    found = points_at(base, [float(Pchip(flows, speeds)(load * full)) for load in lower], progress)
     for load, point in zip(lower, found, strict=True):
         if abs(point.flow - load * full) > LOAD_TOLERANCE * full:
             return [], f"no speed was found that gives {load:.0%} of full flow (more speeds in the sweep)"

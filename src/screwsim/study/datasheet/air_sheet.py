@@ -10,7 +10,17 @@ from screwsim.outputs.customary import MINUTE, RPM, with_printed_units
 from screwsim.outputs.us_units import CFM, PSI
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
-from screwsim.study.datasheet.air_rating import EFFICIENCY, ELSEWHERE, Point, Rating, Regulation, elsewhere
+from screwsim.study.datasheet.air_points import (
+    EFFICIENCY,
+    KW,
+    PER_HUNDRED,
+    SPECIFIC,
+    Point,
+    heads_of,
+    point_row,
+)
+from screwsim.study.datasheet.air_pressures import named, pressures_document, pressures_tables
+from screwsim.study.datasheet.air_rating import ELSEWHERE, Rating, Regulation, elsewhere
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_document, lives_table
 from screwsim.study.datasheet.bounds import Limit, motor_of, with_limits_of
@@ -22,19 +32,15 @@ from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table, disclai
 from screwsim.study.datasheet.tables import document_figures
 from screwsim.study.datasheet.units import METRIC, Units
 
-KW = 1e3  # W
 MOTOR_INLET = 0.898e5, 313.25  # Pa at 1000 m (ISO 2533), K: what motors are rated for
 BEYOND_MOTORS = "motors are rated for 1000 m (0.9 bar) and 40 °C at the most (IEC 60034-1): beyond, ask for their load"
 THIN_AIR = "conductance, approach and fan power are as stated, though thin air cools less"
-PER_HUNDRED, GRAINS = 100.0 * CFM, 7000.0  # m³/s in 100 cfm; grains in a pound
-SPECIFIC = "package_specific_power"
+GRAINS = 7000.0  # in a pound
 SEPARATED, COOLED, PACKAGE_VAPOUR = "condensate_flow", "aftercooler_condensate_flow", "package_vapour_flow"
-HEADS = ("rpm", "m³/min", "acfm", "% of full", "kW", "kW/ (m³/min)", "kW/ 100 acfm", "isentropic %")
-US_HEADS = ("rpm", "acfm", "% of full", "kW", "kW/ 100 acfm", "isentropic %")  # input is in kW on sheets there, too
 DOCUMENT_FIGURES = (
     FREE_AIR, INPUT_POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
     "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "oil_cooler_load",
-    "aftercooler_duty", MIXTURE, GAS_OUT, "oil_supply_temperature",
+    "aftercooler_duty", "package_discharge_pressure", MIXTURE, GAS_OUT, "oil_supply_temperature",
     "humidity_ratio", "pressure_dew_point", "package_dew_point", "water_flow", SEPARATED, COOLED, PACKAGE_VAPOUR,
     *LIFE_FIGURES,
 )  # fmt: skip
@@ -50,20 +56,22 @@ def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sh
     shares = year(rated, demands) if demands else ()
     limits = with_limits_of(scene, [room.bound for room in rated.rooms])
     every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
+    others = list(named(rated.pressures, lines(scene).p_s, rated.units))
     return Sheet(
         heading="Air package, rating by ISO 1217",
         title=with_printed_units(scene.title),
         lines=[*_lines(scene, rated), *limits_in_words(limits, rated.units)],
         tables=[
             _points_table(rated, limits),
-            *([year_table(rated, shares)] if shares else []),
+            *pressures_tables(scene, rated.pressures, limits, rated.units),
+            *([year_table(rated, shares, [motor_of(scene)])] if shares else []),
             *lives_table(_named_points(rated), units=rated.units),
         ],
         verdict=_verdict(rated.regulation),
-        notes=list(_notes(scene, every)),
+        notes=list(_notes(scene, every, others)),
         drawings=list(drawings_of(rated)),
         document={**_document(scene, rated), **({"profile": year_document(shares, rated.receiver)} if shares else {})},
-        ok=all(point.ok for point in every),
+        ok=all(point.ok for point in [*every, *(point for _, point in others)]),
     )
 
 
@@ -97,28 +105,6 @@ def drawings_of(rated: Rating) -> Iterator[Drawing]:
 
 def _percent(share: float, digits: int = 0) -> str:
     return f"{100.0 * share:.{digits}f} %"
-
-
-def point_row(point: Point, full: Point, units: Units) -> list[str]:
-    """Return the cells of a point of the sheet, under `HEADS` or `US_HEADS`."""
-    speed = f"{point.rotor_speed / RPM:.0f}"
-    if not point.flow > 0.0:
-        return [speed, point.result.status.replace("_", " "), *[""] * (len(heads_of(units)) - 2)]
-    found = point.result.performance
-    share, specific = 100.0 * point.flow / full.flow if full.flow > 0.0 else 0.0, found[SPECIFIC]
-    efficiency = found.get(EFFICIENCY)
-    flow, part = f"{point.flow / CFM:.1f}", f"{share:.0f}" if share else ""
-    power, per_hundred = f"{found[INPUT_POWER] / KW:.1f}", f"{PER_HUNDRED * specific / KW:.1f}"
-    if units == METRIC:
-        cells = [f"{MINUTE * point.flow:.2f}", flow, part, power, f"{specific / (KW * MINUTE):.2f}", per_hundred]
-    else:
-        cells = [flow, part, power, per_hundred]
-    return [speed, *cells, "" if efficiency is None else f"{100.0 * efficiency:.1f}"]
-
-
-def heads_of(units: Units) -> tuple[str, ...]:
-    """Return the heads of the points."""
-    return HEADS if units == METRIC else US_HEADS
 
 
 def discharge_line(p_d: float, p_s: float, units: Units) -> tuple[str, str]:
@@ -216,11 +202,11 @@ def _verdict(found: Regulation | None) -> tuple[str, str, bool | None] | None:
     return what, f"{text}; {asked}: {'met' if found.met else 'not met'}", found.met
 
 
-def _notes(scene: Scene, points: list[Point]) -> Iterator[str]:
+def _notes(scene: Scene, points: list[Point], others: Sequence[tuple[str, Point]]) -> Iterator[str]:
     yield from inlet_note(scene)
     if scene.gas.relative_humidity:
         yield HUMID_FIGURES
-    yield from point_notes([(f"{point.rotor_speed / RPM:.0f} rpm", point) for point in points])
+    yield from point_notes([*((f"{point.rotor_speed / RPM:.0f} rpm", point) for point in points), *others])
     yield DISCLAIMER
 
 
@@ -257,6 +243,7 @@ def _document(scene: Scene, rated: Rating) -> dict[str, Any]:
         **({} if scene.gas.relative_humidity is None else {"inlet_relative_humidity": scene.gas.relative_humidity}),
         "discharge_pressure": at.p_d,
         "points": [_figures(point) for point in rated.points],
+        **({"pressures": pressures_document(rated.pressures, _figures)} if rated.pressures else {}),
         "unloaded": None if rated.unloaded is None else _figures(rated.unloaded),
         **lives_document(_named_points(rated)),
         **({"hottest_room": room_documents(rated.rooms)} if rated.rooms else {}),

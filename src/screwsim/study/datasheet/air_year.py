@@ -6,6 +6,7 @@ below full flow at fixed speed, the package loads and unloads; one without an un
 
 import re
 from collections.abc import Iterator, Sequence
+from math import inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,9 +18,13 @@ from screwsim.numerics.pchip import Pchip
 from screwsim.outputs.customary import HOUR, MINUTE
 from screwsim.outputs.us_units import CFM, FOOT
 from screwsim.scene.units import NUMBER, Refused, parse_quantity, refused_at
-from screwsim.study.datasheet.air_rating import Point, Rating
+from screwsim.study.datasheet.air_points import Point
+from screwsim.study.datasheet.air_rating import Rating
 from screwsim.study.datasheet.load_unload import OPTION as RECEIVER
+from screwsim.study.datasheet.load_unload import PATH as UNLOADED_POINT
 from screwsim.study.datasheet.load_unload import LoadUnload, Receiver
+from screwsim.study.datasheet.motor_starts import SOURCE as STARTS_SOURCE
+from screwsim.study.datasheet.motor_starts import most_starts
 from screwsim.study.datasheet.sheet import Table
 from screwsim.study.datasheet.units import METRIC
 
@@ -133,8 +138,8 @@ def _share(
     return DemandShare(demand, given, power, 1.0, None if control is None else 0.0)
 
 
-def year_table(rated: Rating, shares: Sequence[DemandShare]) -> Table:
-    """Return the table of a profile, with totals in its last row."""
+def year_table(rated: Rating, shares: Sequence[DemandShare], motors: Sequence[Any]) -> Table:
+    """Return the table of a profile, with totals in its last row; `motors` are the settings of the package's motors."""
     metric = rated.units == METRIC
     size = 1.0 if metric else 1e3 * FOOT**3
     rows = [
@@ -149,7 +154,7 @@ def year_table(rated: Rating, shares: Sequence[DemandShare]) -> Table:
     mean = 1e-3 * energy / (hours * HOUR)
     blank = ["", ""] if rated.receiver else [""]
     rows.append(["all", f"{hours:g}", *blank, f"{mean:.1f}", f"{energy / KWH:.0f}", _specific(energy, volume / size)])
-    note = "; ".join(_notes(rated, shares))
+    note = "; ".join([*_notes(rated, shares), *_too_often(rated, shares, motors)])
     flow, per = ("m³/min", "kWh/m³") if metric else ("acfm", "kWh/ 1000 ft³")
     often = ("cycles/h",) if rated.receiver else ()
     return Table("Energy over the profile", (flow, "hours", "% on load", *often, "mean kW", "kWh", per), rows, note)
@@ -185,6 +190,29 @@ def _notes(rated: Rating, shares: Sequence[DemandShare]) -> Iterator[str]:
             yield f"below its lowest flow it loads and unloads; {uncounted}"
         else:
             yield f"below its lowest flow it loads and unloads{with_receiver}; {rated.control.words}"
+
+
+def _too_often(rated: Rating, shares: Sequence[DemandShare], motors: Sequence[Any]) -> Iterator[str]:
+    """Yield what switches too often: motors on the mains, or a package that loads before its separator is vented."""
+    control, receiver = rated.control, rated.receiver
+    switched = [share for share in shares if share.rate]
+    if control is None or receiver is None or not switched:
+        return
+    if rated.unloaded is not None:
+        off = min((1.0 - share.loaded) / (share.rate or inf) for share in switched)
+        if off < control.venting:
+            what = f"it loads again after {off:.0f} s, before its separator is vented in {control.venting:g} s"
+            yield f"{what} ({receiver.larger(control.venting / off, rated.units)})"
+        return
+    often = HOUR * max(share.rate or 0.0 for share in switched)
+    for motor in motors:
+        most = None if motor.inverts else most_starts(float(motor.rated_power))
+        if most is not None and often > most:
+            size = rated.units.quantity("W", motor.rated_power)
+            what = f"it starts up to {often:.3g} times an hour, and a four-pole motor of {size} may {most:g} times"
+            remedy = f"{receiver.larger(often / most, rated.units)}, or {UNLOADED_POINT}"
+            yield f"{what} ({STARTS_SOURCE}; {remedy})"
+            return
 
 
 def year_document(shares: Sequence[DemandShare], receiver: Receiver | None = None) -> dict[str, Any]:

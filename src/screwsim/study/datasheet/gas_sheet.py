@@ -262,10 +262,9 @@ def rating_request(
 
 
 def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tuple[float, ...]) -> Axis:
-    """Return an axis: over a range, at swept values [SI], or around the scene's own one; raise UsageError."""
+    """Return an axis: over a range or list, at swept values [SI], or around the scene's own one; raise UsageError."""
     if text is not None:
-        ends = rating.read_range(base, path, text, option, EXAMPLES[path])
-        return Axis(path, rating.evenly_spaced(*ends, VALUES_PER_RANGE))
+        return Axis(path, rating.read_values(base, path, text, option, EXAMPLES[path], VALUES_PER_RANGE))
     if swept:
         return Axis(path, swept)
     own = float(value_at(base, path))

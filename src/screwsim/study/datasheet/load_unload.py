@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import exp, inf, log
+from math import ceil, exp, floor, inf, log, log10
 from typing import Any, NamedTuple, Self
 
 from screwsim.effects.air_package import FREE_AIR, INPUT_POWER, Unloaded
@@ -34,8 +34,19 @@ class Receiver(NamedTuple):
     def in_words(self, units: Units) -> str:
         """Return its size and band in words."""
         band = units.pressure_difference(self.band) + (" (assumed)" if self.assumed else "")
-        size = f"{self.volume:.4g} m³" if units == METRIC else f"{self.volume / GALLON:.4g} gal"
-        return f"a receiver of {size} and a band of {band}"
+        return f"a receiver of {_size(self.volume, units)} and a band of {band}"
+
+    def larger(self, factor: float, units: Units) -> str:
+        """Return in words that one larger by a factor suffices: the time off load grows with its size."""
+        unit = 1.0 if units == METRIC else GALLON
+        step = unit * 10.0 ** (floor(log10(factor * self.volume / unit)) - 1)  # two digits, rounded up
+        least = step * ceil(factor * self.volume / step)
+        return f"a receiver of {_size(least, units)} would do, or a wider {BAND_OPTION}"
+
+
+def _size(volume: float, units: Units) -> str:
+    """Return a volume [m³] in words."""
+    return f"{volume:.4g} m³" if units == METRIC else f"{volume / GALLON:.4g} gal"
 
 
 class Cycle(NamedTuple):

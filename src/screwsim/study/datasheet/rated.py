@@ -5,6 +5,7 @@ and outlet for expanders.
 """
 
 import itertools
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
@@ -17,8 +18,9 @@ from screwsim.scene import Scene, cross_check, with_values, without_sweep
 from screwsim.scene.grid import Swept
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
+from screwsim.scene.units import NUMBER
 from screwsim.simulate import simulate_many
-from screwsim.study.asked.inputs import ends_of, read_text, refuse_empty_range, shown_value
+from screwsim.study.asked.inputs import ends_of, read_text, refuse_empty_range, shown_value, unit_behind
 from screwsim.study.datasheet.bounds import EnvelopeRange, Limit, envelope, motor_of
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.part_load import GAS, LOADS, REFRIGERATION, SPEED_PATH, Control, LoadFigures, PartLoad, part_load
@@ -206,17 +208,32 @@ def faults_of(base: Scene, values: dict[str, float]) -> list[str]:
     return [str(fault) for fault in cross_check(with_values(base, values))]
 
 
-def read_range(base: Scene, path: str, text: str, option: str, example: str) -> tuple[float, float]:
-    """Return both ends [SI] of a range LOW..HIGH of a path; raise UsageError in one line."""
-    both = ends_of(text)
-    if both is None:
-        raise UsageError(f"{option} {text}: is not LOW..HIGH (write e.g. {option} '{example}')")
+def read_values(
+    base: Scene, path: str, text: str, option: str, example: str, count: int | Callable[[float, float], int]
+) -> tuple[float, ...]:
+    """Return the values [SI] of a path that a text states, ascending: a list 'A, B, C', or a range LOW..HIGH.
+
+    A range has `count` values, which may follow from its ends; bare numbers of a list have the unit of its last value.
+    Raises UsageError in one line.
+    """
+    both, listed = ends_of(text), [part.strip() for part in text.split(",")]
+    if both is None and (len(listed) < 2 or not all(listed)):
+        raise UsageError(
+            f"{option} {text}: is neither LOW..HIGH nor a list of values (write e.g. {option} '{example}')"
+        )
+    unit = unit_behind(listed[-1])
+    stated = both or [f"{part} {unit}".strip() if re.fullmatch(NUMBER, part) else part for part in listed]
     try:
-        first, last = (read_text(base, path, end) for end in both)
+        values = tuple(read_text(base, path, each) for each in stated)
     except UsageError as fault:
         raise UsageError(f"{option} {text}: {str(fault).removeprefix(path).removeprefix(': ')}") from None
+    if both is None:
+        if any(later <= earlier for earlier, later in itertools.pairwise(values)):
+            raise UsageError(f"{option} {text}: does not rise from value to value (a decimal point is a dot)")
+        return values
+    first, last = values
     refuse_empty_range(base, path, first, last, f"{option} {text}")
-    return first, last
+    return evenly_spaced(first, last, count if isinstance(count, int) else count(first, last))
 
 
 def evenly_spaced(first: float, last: float, count: int) -> tuple[float, ...]:

@@ -161,13 +161,11 @@ def rating_request(
 
 
 def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tuple[float, ...]) -> Axis:
-    """Return an axis: over a range, at swept values [SI], or around the scene's own one; raise UsageError."""
+    """Return an axis: over a range or list, at swept values [SI], or around the scene's own one; raise UsageError."""
     if text is not None:
         example = "-10 degC..10 degC" if path != GAS_COOLER_P else "80 bar..110 bar"
-        first, last = rating.read_range(base, path, text, option, example)
-        steps = min(max(round((last - first) / TEMPERATURE_STEP) + 1, 2), MOST_VALUES)
-        count = len(PRESSURE_SHARES) if path == GAS_COOLER_P else steps
-        return Axis(path, rating.evenly_spaced(first, last, count))
+        count = len(PRESSURE_SHARES) if path == GAS_COOLER_P else _count_of_range
+        return Axis(path, rating.read_values(base, path, text, option, example, count))
     if swept:
         return Axis(path, swept)
     own = float(value_at(base, path))
@@ -177,6 +175,11 @@ def axis_values(base: Scene, path: str, text: str | None, option: str, swept: tu
     steps = range(-round(BELOW / TEMPERATURE_STEP), round(ABOVE / TEMPERATURE_STEP) + 1)
     values = [middle + TEMPERATURE_STEP * i for i in steps]
     return Axis(path, tuple(value for value in values if not rating.faults_of(base, {path: value})) or (own,))
+
+
+def _count_of_range(first: float, last: float) -> int:
+    """Return how many temperatures a range [K] has."""
+    return min(max(round((last - first) / TEMPERATURE_STEP) + 1, 2), MOST_VALUES)
 
 
 def own_point(asked: RatingRequest) -> str:

@@ -16,13 +16,21 @@ from screwsim.outputs.customary import RPM, with_printed_units
 from screwsim.scene import grid
 from screwsim.scene.lines import lines
 from screwsim.study.datasheet import air_sheet, stages_sheet
-from screwsim.study.datasheet.air_rating import Point, Rating, control_of
+from screwsim.study.datasheet.air_points import Point, heads_of, point_row
+from screwsim.study.datasheet.air_pressures import named, read_pressures
+from screwsim.study.datasheet.air_rating import Rating, control_of
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.columns import BAR, KW, NONE, Column, in_units
 from screwsim.study.datasheet.load_unload import Receiver, check_receiver
 from screwsim.study.datasheet.rated import Part, answers_of
 from screwsim.study.datasheet.sheet import Sheet, Table
+from screwsim.study.datasheet.stages_pressures import (
+    SPEEDS,
+    stages_at_pressures,
+    stages_pressures_document,
+    stages_pressures_table,
+)
 from screwsim.study.datasheet.units import Units
 from screwsim.study.part_load import SPEED_PATH
 from screwsim.study.pool.progress import Progress
@@ -32,7 +40,6 @@ from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.chain import StageChain
 from screwsim.study.sweep.stages import solved_with
 
-SPEEDS = tuple(f"{stage}.{SPEED_PATH}" for stage in STAGE_NAMES)
 STAGE_HEADS = (
     Column("intermediate_pressure", "between bar", BAR, 3),
     Column("first_shaft_power", "first kW", KW, 1),
@@ -57,35 +64,42 @@ def air_stages_sheet(
     jobs: int | None,
     progress: Progress | None,
     units: Units,
+    pressures: str | None = None,
 ) -> Sheet:
     """Return the sheet of two stages of air, with the energy of demands met from a receiver.
 
+    `pressures` states other outlet pressures at which they are rated as well.
     Raises UsageError for axes other than speeds.
     """
     if receiver is not None:
         check_receiver(receiver, lines(chain.first).p_s, lines(chain.second).p_d)
+    outlets = read_pressures(chain.second, lines(chain.first).p_s, pressures)
     own, found = _rated(chain, jobs, progress)
+    others = stages_at_pressures(grid.without_sweep(chain), outlets, own, jobs, progress)
     speeds = [_reached(each, result) for each, result in zip(own, found, strict=True)]
     points = [Point(both[0], each.as_result()) for both, each in zip(speeds, found, strict=True)]
     control = None if receiver is None else control_of(receiver, lines(chain.first), points)
     rated = Rating(points, None, None, len(points) > 1, "", units=units, receiver=receiver, control=control)
     shares = year(rated, demands) if demands else ()
-    heads = ("first rpm", "second rpm", *air_sheet.heads_of(units)[1:])
+    heads = ("first rpm", "second rpm", *heads_of(units)[1:])
     rows = [
-        [*(f"{speed / RPM:.0f}" for speed in both), *air_sheet.point_row(point, rated.full, units)[1:]]
+        [*(f"{speed / RPM:.0f}" for speed in both), *point_row(point, rated.full, units)[1:]]
         for both, point in zip(speeds, points, strict=True)
     ]
+    beside = list(named(others, lines(chain.first).p_s, units))
+    at_others = {"pressures": stages_pressures_document(others, speeds, _figures)} if others else {}
     profile = {"profile": year_document(shares, receiver)} if shares else {}
-    tables = [Table("Points", heads, rows, across=True), *_stage_tables(speeds, points, found, units)]
+    at_pressures = [stages_pressures_table(chain, others, speeds, units)] if others else []
+    tables = [Table("Points", heads, rows, across=True), *at_pressures, *_stage_tables(speeds, points, found, units)]
     return Sheet(
         heading="Two-stage air package, rating by ISO 1217",
         title=with_printed_units(chain.title),
         lines=list(_lines(chain, rated, found[0])),
-        tables=[*tables, *([year_table(rated, shares)] if shares else [])],
-        notes=list(_notes(chain, speeds, points)),
+        tables=[*tables, *([year_table(rated, shares, [*map(motor_of, chain.by_stage.values())])] if shares else [])],
+        notes=list(_notes(chain, [*zip(_names(speeds), points, strict=True), *beside])),
         drawings=list(air_sheet.drawings_of(rated)),
-        document={**_document(chain, speeds, rated, found), **profile},
-        ok=all(point.ok for point in points),
+        document={**_document(chain, speeds, rated, found), **at_others, **profile},
+        ok=all(point.ok for point in [*points, *(point for _, point in beside)]),
     )
 
 
@@ -182,12 +196,16 @@ def _names(speeds: Sequence[tuple[float, float]]) -> list[str]:
     return [f"{own[0] / RPM:.0f} and {own[1] / RPM:.0f} rpm" for own in speeds]
 
 
-def _notes(chain: StageChain, speeds: Sequence[tuple[float, float]], points: Sequence[Point]) -> Iterator[str]:
+def _notes(chain: StageChain, points: Sequence[tuple[str, Point]]) -> Iterator[str]:
     yield from air_sheet.inlet_note(chain.first)
     yield from stages_sheet.ignored_model_errors(chain)
-    yield from air_sheet.point_notes(list(zip(_names(speeds), points, strict=True)))
+    yield from air_sheet.point_notes(points)
     yield NO_VERDICT
     yield air_sheet.DISCLAIMER
+
+
+def _figures(point: Point) -> dict[str, Any]:
+    return stages_sheet.own_document(point.result)
 
 
 def _document(
@@ -195,7 +213,7 @@ def _document(
 ) -> dict[str, Any]:
     low, high = lines(chain.first), lines(chain.second)
     points = [
-        {"first_speed": own[0], "second_speed": own[1], **stages_sheet.own_document(point.result)}
+        {"first_speed": own[0], "second_speed": own[1], **_figures(point)}
         for own, point in zip(speeds, rated.points, strict=True)
     ]
     return {

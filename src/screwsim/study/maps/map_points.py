@@ -2,12 +2,14 @@
 
 import os
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from screwsim.inputs.arguments import NUMBER, as_list, checked_arguments
 from screwsim.inputs.faults import UsageError
+from screwsim.machine.kinds import MACHINES
 from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.results import Results, open_results
 from screwsim.results.read import STAGES
@@ -183,10 +185,16 @@ def _value(path: str, text: str) -> Any:
 
 def _leaf(path: str) -> Leaf | None:
     """Return the input at a path, of two stages with its stage before it; None for an effect of a user's own."""
-    known = catalogue_leaves()
+    known = _known_leaves()
     of, _, inner = path.partition(".")
     if of in STAGES:
         return known.get(inner)
     from screwsim.study.stages.axes import BETWEEN, LEAVES
 
     return LEAVES.get(inner) if of == BETWEEN else known.get(path)
+
+
+@cache
+def _known_leaves() -> dict[str, Leaf]:
+    """Return {path: input} of the machines of every kind, with every effect."""
+    return {path: leaf for kind in MACHINES for path, leaf in catalogue_leaves(kind).items()}
