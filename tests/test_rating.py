@@ -36,6 +36,14 @@ def test_least_efficiency_is_the_regulations(kind):
     assert least == pytest.approx(more + curve + (1.0 - curve) * d / 100.0, rel=1e-5)
 
 
+@pytest.mark.parametrize("kind", PRINTED)
+def test_without_a_loss_reduction_the_reference_curve_is_what_is_asked(kind):
+    _, d, more = PRINTED[kind]
+    flow = 735.2 * CFM
+    curve, least = STANDARDS[kind].reference(flow), STANDARDS[kind].least(flow)
+    assert 1.0 - (least - more) == pytest.approx((1.0 - curve) * (1.0 - d / 100.0), rel=1e-12)
+
+
 def test_isentropic_power_is_the_integral_of_volume_over_pressure():
     p_1, p_2, flow = 1e5, 9.62e5, 0.3
     work, error = quad(lambda p: flow * (p_1 / p) ** (1.0 / 1.4), p_1, p_2)

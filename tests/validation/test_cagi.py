@@ -117,6 +117,13 @@ def test_tolerances_grow_more_slowly_than_lengths(physics):
     assert [round(1e6 * physics.tolerance(each), 2) for each in (0.0232379, 0.0979796)] == [1.31, 2.17]
 
 
+def test_end_faces_have_the_middle_of_the_makers_limits_and_grow_in_proportion_beyond_them(physics):
+    known = {160.0: 50.0, 200.0: 60.0, 250.0: 95.0, 320.0: 190.0}  # mm: µm, of limits 40-60, 50-70, 80-110, 170-210
+    between = {240.0: 60.0 + 0.8 * 35.0, 80.0: 25.0, 640.0: 380.0}
+    for diameter, clearance in (known | between).items():
+        assert 1e6 * physics.end_clearance(1e-3 * diameter) == pytest.approx(clearance, rel=1e-12)
+
+
 def test_every_piece_of_physics_is_a_scene_that_can_be(physics):
     for each in physics.variants(HERE, 3e4):
         screwsim.load(HERE / "machine.yaml", each.changes)

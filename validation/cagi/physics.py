@@ -6,9 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
+from screwsim.study.validation import read_table
+
 GAPS = ("tip_leakage", "interlobe_leakage", "end_face_leakage")
 LARGER = 1.5  # than the machine of 160 mm that was fitted to Bitzer's curves
 GAP, CLEARANCE, AREA = 26e-6, 42e-6, 9.6e-6  # m, m, m²: of that machine's gaps, shafts, and shaft leak as a nozzle
+DIAMETER = 0.240  # m
 BAR = 1e5
 
 
@@ -43,6 +48,24 @@ def as_tolerances() -> list[str]:
     return [*gaps, *films, f"effects.shaft_leakage.clearance={shaft:.2f} um"]
 
 
+def end_clearance(diameter: float) -> float:
+    """Return the clearance [m] that a maker sets at the discharge end faces of rotors of a diameter [m].
+
+    It is interpolated between the middles of its limits, and in proportion to the diameter beyond them.
+    """
+    rows = read_table(Path(__file__).parent / "end_clearances.csv")
+    known = [1e-3 * float(row["nominal_mm"]) for row in rows]
+    middles = [0.5e-3 * (float(row["from_mm"]) + float(row["to_mm"])) for row in rows]
+    within = min(max(diameter, known[0]), known[-1])
+    return float(np.interp(within, known, middles)) * diameter / within
+
+
+def end_faces(gap: float, leak: bool = True) -> list[str]:
+    """Return the changes to end faces of a clearance [m], for their film alone or for their leak, too."""
+    film = [f"effects.oil_drag.end_gap={1e6 * gap:.6g} um"]
+    return [*film, f"effects.end_face_leakage.gap={1e6 * gap:.6g} um"] if leak else film
+
+
 def friction(share: float) -> list[str]:
     """Return the changes to a friction that is a share of the indicated power."""
     return ["effects.bearings=off", "effects.oil_drag=off", f"effects.mechanical={{fraction: {share:g}}}"]
@@ -53,6 +76,7 @@ PUMP = "oil_supply={kind: pump, ratio: 4, orifice_diameter: null}"
 COARSE = "effects.oil_heat={droplet_radius: 50 um, heat_transfer_coefficient: 540 W/(m^2 K)}"
 BY_LOAD = "effects.motor={efficiency_file: null, efficiency: 0.96}"
 AT_FIRST = "all as first taken"
+BOTH = "end faces as a maker sets them, gas and oil through blow-holes at one speed"
 NO_PORT = "effects.oil_injection=off"
 
 
@@ -66,6 +90,13 @@ def variants(here: Path, behind: float) -> Iterator[Variant]:
     hole = ["effects.blow_hole.model=homogeneous"]
     yield Variant("gas and oil through blow-holes at one speed", hole, note="M192; gas alone in machine.yaml (M21)")
     yield Variant("clearances grow as tolerances do", as_tolerances(), note="ISO 286: gaps 1.17, shafts 1.16 times")
+    gap = end_clearance(DIAMETER)
+    note = f"{1e6 * gap:.0f} µm: manual of Mayekawa's SCV series (end_clearances.csv)"
+    yield Variant("end faces as a maker sets them", end_faces(gap), note=note)
+    yield Variant("the same, for their film alone", end_faces(gap, leak=False))
+    alike = end_faces(LARGER * end_clearance(DIAMETER / LARGER))
+    yield Variant("the same, that of 160 mm in proportion to the diameter", alike)
+    yield Variant(BOTH, [*end_faces(gap), *hole])
     yield Variant("oil at the suction's closing, all at once", [NO_PORT], note="M30, no port")
     yield Variant("oil in proportion to the gas", [PUMP], note="a pump, d = 4 at every speed")
     yield Variant("friction 9.6 % of the indicated power", friction(0.096), note="R134a's fit")

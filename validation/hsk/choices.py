@@ -9,19 +9,25 @@ from typing import Any
 
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.simulate import simulate
-from screwsim.study.validation import NotRun, Row, read_table
+from screwsim.study.validation import NotRun, Row, read_table, sibling
+
+physics = sibling(Path(__file__).parents[1] / "cagi/physics.py")
 
 SHAFTS, NOZZLE = "effects.shaft_leakage", 9.6e-6  # m² at 160 mm, of the fit to the mean curves
 HOLE = "effects.blow_hole"
 SEALED = ("shaft_diameter", "clearance", "mixture_viscosity", "passage")
 GAPS = tuple(f"effects.{name}.gap" for name in ("tip_leakage", "interlobe_leakage", "end_face_leakage"))
-FITTED_GAP = 26e-6  # m at 160 mm
+FITTED_GAP, FITTED_DIAMETER = 26e-6, 0.160  # m
 FRICTION, OIL = "effects.mechanical.fraction", "oil_supply.ratio"
 SOLUBILITY = "refrigerant_solubility"
 SUCTION, CLOSED = "{opens: 365 deg, closes: 455 deg}", "{opens: 480 deg, closes: 570 deg}"  # a lobe pitch each
 MEAN_SIZES = ("100", "250", "600")  # m³/h of the machines that are put beside the mean curves
 MEAN_MOTOR = 0.92  # that the mean curves' source takes
 ZERO = 273.15
+LAND, SHAFT, BEARING = 2.0, 70.0, 98.0  # mm at 160 mm, of a lobe's tip and of bearings, as in validation/cagi
+BY_FILMS = "friction by films and bearings"
+AS_TIPS = "the same, end faces as far as tips"
+SLOW, FULL, FAST, AT = 25.0, 50.0, 75.0, "-5/40"  # Hz, °C: of the change of the efficiency with the speed
 Built = Callable[..., Scene]
 
 
@@ -52,6 +58,25 @@ def nozzle(built: Built, flow: str) -> Scene:
     return built(flow, as_nozzle(NOZZLE * size**2))
 
 
+def by_films(built: Built, flow: str, as_tips: bool = False) -> Scene:
+    """Return a machine whose friction follows the laws and rules of validation/cagi/machine.yaml, not a share.
+
+    Its end faces are as far from the housing as a maker sets them, or as the tips are.
+    """
+    gap = value_at(built(flow), GAPS[0])
+    big = gap / FITTED_GAP
+    end = gap if as_tips else physics.end_clearance(FITTED_DIAMETER * big)
+    drag = f"tip_gap: {1e6 * gap:.6g} um, tip_land: {LAND * big:.4g} mm, end_gap: {1e6 * end:.6g} um"
+    bearings = f"load: rotors, shaft_diameter: {SHAFT * big:.4g} mm, mean_diameter: {BEARING * big:.4g} mm"
+    overrides = [
+        "effects.mechanical=off",
+        f"effects.oil_drag={{{drag}, end_solidity: 0.63}}",
+        f"effects.bearings={{friction: two_term, {bearings}, f_0: 2, f_1: 0.0004, count: 4}}",
+        f"{GAPS[2]}={1e6 * end:.6g} um",
+    ]
+    return built(flow, overrides)
+
+
 CHOICES: Mapping[str, Callable[[Built, str], Scene]] = {
     "as written": lambda built, flow: built(flow),
     "shafts as a nozzle, 9.6 mm² at 160 mm": nozzle,
@@ -62,6 +87,8 @@ CHOICES: Mapping[str, Callable[[Built, str], Scene]] = {
     "gaps times 0.7, 2 kg of oil per kg": lambda built, flow: with_values(scaled(built(flow), GAPS, 0.7), {OIL: 2.0}),
     "all clearances times 0.8": lambda built, flow: tighter(built(flow), 0.8),
     "all clearances times 0.8, friction 12 %": lambda built, flow: tighter(built(flow), 0.8, {FRICTION: 0.12}),
+    f"{BY_FILMS}, end faces as a maker sets them": by_films,
+    AS_TIPS: lambda built, flow: by_films(built, flow, as_tips=True),
     "gas flashes from oil as suction ends": lambda built, flow: built(flow, dissolved(SUCTION)),
     "gas flashes as suction ends, 0.15 kg of oil per kg, all clearances times 0.6": lambda built, flow: tighter(
         built(flow, dissolved(SUCTION)), 0.6, {OIL: 0.15}
@@ -107,6 +134,23 @@ def told(scene: Scene, points: Sequence[tuple[Mapping[str, float], float, float]
     return f"{rms}{missing}"
 
 
+def over_speed(built: Built, by_model: Mapping[str, Sequence[Any]]) -> Row:
+    """Return how the efficiency of machines with friction by films and bearings changes with the speed."""
+    ours, theirs = [], []
+    for ratings in by_model.values():
+        at = {one.frequency: one for one in ratings if one.name == AT}
+        if SLOW not in at or FAST not in at:
+            continue
+        flow, machine = ratings[0].displacement, by_films(built, ratings[0].displacement)
+        found = {each: figures(machine, at[each].values) for each in (SLOW, FULL, FAST)}
+        own = {each: told[1] for each, told in found.items() if told is not None}
+        rated = {each: 100.0 * at[each].electrical_isentropic_efficiency for each in (SLOW, FULL, FAST)}
+        for some, texts in ((own, ours), (rated, theirs)):
+            texts.append(f"{flow}: {some[SLOW] - some[FULL]:+.1f}, {some[FAST] - some[FULL]:+.1f}")
+    name = f"tried: {BY_FILMS}: electrical η_s at {SLOW:g} and {FAST:g} Hz less that at {FULL:g}, {AT} °C, by m³/h"
+    return Row(name, "; ".join(ours), "; ".join(theirs), "estimate", "no verdict", note="points")
+
+
 def rows(here: Path, built: Built, by_model: Mapping[str, Sequence[Any]], full: float) -> Iterator[Row]:
     """Yield the differences of each choice: by rated machine up to a full speed [Hz], then beside the curves."""
     curves = at_mean_curves(here)
@@ -128,3 +172,4 @@ def rows(here: Path, built: Built, by_model: Mapping[str, Sequence[Any]], full: 
             "no verdict",
             note="ratings up to 50 Hz; mean curves of validation/bitzer, with its motor of 92 %",
         )
+    yield over_speed(built, by_model)

@@ -22,7 +22,8 @@ from screwsim.study.validation import read_table
 HERE = Path(__file__).parent
 FLUID, ZERO = "R134a", 273.15
 FITTED_MODEL, FITTED = "HSK7451-50", ("5/35", "0/45", "-10/50")
-NOMINAL, RATED = 2950.0, 2900.0  # [rpm] at 50 Hz: taken here, and at which the displacement is given; two poles
+NOMINAL, RATED = 2950.0, 2900.0  # [rpm] at 50 Hz: taken here, and at which the displacement is given; two poles ...
+SYNCHRONOUS = 3000.0  # [rpm] ... without slip
 LAMBDA, ETA = 0.017, 0.03  # asked for: half of 2900 to 3000 rpm; as in validation/bitzer
 COMMENT = "# Made by validation/hsk/ratings.py from points.csv; uncertainty: half of what is asked.\n"
 HEAD = (

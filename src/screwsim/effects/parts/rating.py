@@ -33,11 +33,15 @@ class Standard:
     d: float
     more: float = 0.0
 
+    def reference(self, flow: float) -> float:
+        """Return the reference curve, from which losses count (d = 0), at a flow at full load [m³/s]."""
+        L = log(1000.0 * flow)
+        return self.square * L**2 + self.linear * L + self.constant
+
     def least(self, flow: float) -> float:
         """Return the least efficiency of a package with a flow at full load [m³/s]."""
-        L = log(1000.0 * flow)
-        regression = self.square * L**2 + self.linear * L + self.constant
-        return self.more + regression + (1.0 - regression) * self.d / 100.0
+        reference = self.reference(flow)
+        return self.more + reference + (1.0 - reference) * self.d / 100.0
 
 
 FIXED = -0.00928, 0.13911, 0.27110
