@@ -316,8 +316,8 @@ def test_swings_of_a_drive_err_by_their_whole_curves(seed, number, covered):
 def test_turns_that_wander_in_the_noise_of_their_steps_refine_them(seed, number, most, off_by, least):
     """Each changed the gas by a tolerance or more, until one did not by chance: off by 1.2 and 0.73 accuracies.
 
-    The first was still off by 1.05 with 0.69 told, in 26 221 evaluations: finer lives misread what they take in, too. It
-    is off by 0.2 to 0.36 now, by the last bits.
+    The first was still off by 1.05 with 0.69 told, in 26 221 evaluations: finer lives misread what they take in, too.
+    It is off by 0.2 to 0.36 now, by the last bits.
     """
     found, told, off = compared(scene_of("plenums", seed, number), 50)
     figure, largest = worst(off)
