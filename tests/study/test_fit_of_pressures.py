@@ -11,6 +11,7 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Result
 from screwsim.printing.fitted_points import lines_of_points
 from screwsim.study.calibration import read_fit
+from screwsim.study.calibration.machine import points_of
 from screwsim.study.calibration.posterior import refuse_pressures
 from screwsim.study.calibration.residuals import Objective
 from screwsim.study.calibration.solve import ComparedMeasurement
@@ -24,6 +25,7 @@ parameters:
 starts: 1
 """
 HEAD = "operation.speed [rpm],indicator,indicator_uncertainty [mbar] (k=2)"
+OF_600 = "pressure_at_600_deg [bar],pressure_at_600_deg_uncertainty [bar]"
 PRESSURES = "angle_deg,pressure_kPa\n500,200\n600.5,600\n"
 
 
@@ -63,7 +65,17 @@ def test_a_point_may_have_no_indicator_beside_others_that_have_one(tmp_path):
     ("points", "pressures", "what"),
     [
         ("indicator\np.csv\n", PRESSURES, "needs a column indicator_uncertainty"),
-        ("indicator_uncertainty [bar]\n1\n", PRESSURES, "needs a column indicator "),
+        ("indicator_uncertainty [bar]\n1\n", PRESSURES, "points.csv:1:1: indicator: needs a column indicator "),
+        ("indicator,indicator_uncertainty\np.csv,1\n", PRESSURES, "points.csv:1:11: indicator_uncertainty: unit ''"),
+        (f"{HEAD}\n1000,p.csv,0\n", PRESSURES, "indicator: 0 is out of range"),
+        (f"{HEAD}\n1000,p.csv,1e-9\n", PRESSURES, "smaller than any measurement achieves"),
+        ("indicator [bar],indicator_uncertainty [bar]\np.csv,1\n", PRESSURES, "write indicator without [bar]"),
+        (f"{HEAD},{OF_600}\n1000,p.csv,40,6,0.1\n", "angle_deg,pressure_bar\n600,2\n", "pressure_at_600_deg, too"),
+        (
+            OF_600.replace("600", "0600") + "\n6,0.1\n",
+            PRESSURES,
+            "is not known (write pressure_at_600_deg_uncertainty)",
+        ),
         (f"{HEAD}\n1000,p.csv,\n", PRESSURES, "points.csv:2:1: indicator: needs an uncertainty"),
         (f"{HEAD}\n1000,none.csv,40\n", PRESSURES, "'none.csv' is not a file"),
         (f"{HEAD}\n1000,p.csv,40\n", "volume_cm3,pressure_bar\n9,1\n8,2\n", "'p.csv' has volumes"),
@@ -88,6 +100,26 @@ def test_a_pressure_is_linear_between_samples_and_has_a_reason_outside_the_cycle
 
 def test_a_result_that_is_not_asked_for_pressures_has_none():
     assert with_pressures(result(), ["shaft_power"]).performance == {}
+
+
+def test_a_single_pressure_at_zero_is_beside_those_of_a_file(tmp_path):
+    text = f"{HEAD},{OF_600.replace('600', '0')}\n1000,p.csv,40,1,0.1\n"
+    (point,) = fit_of(tmp_path, text).points
+    assert point.measured["pressure_at_0_deg"] == (1e5, 1e4) and point.measured["pressure_at_500_deg"] == (2e5, 2e3)
+
+
+@pytest.mark.parametrize("angle", ["-0.0", "0.00001", "1e11"])
+def test_a_fit_has_a_figure_at_any_angle_of_a_file(tmp_path, angle):
+    (point,) = fit_of(tmp_path, f"{HEAD}\n1000,p.csv,40\n", f"angle_deg,pressure_kPa\n{angle},200\n").points
+    (name,) = point.measured
+    assert declared(name).units == "Pa" and angle_of(name) == float(angle)
+
+
+def test_future_measurements_are_of_no_indicator(tmp_path):
+    fit = fit_of(tmp_path, f"{HEAD}\n1000,p.csv,40\n")
+    (tmp_path / "further.csv").write_text("operation.speed [rpm],indicator_uncertainty [bar]\n1000,1\n", "utf-8")
+    with pytest.raises((SceneError, UsageError), match="nothing is measured here yet"):
+        points_of(fit, tmp_path / "further.csv", "--further", "points")
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.5, 360.0, 719.25])

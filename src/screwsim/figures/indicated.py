@@ -75,8 +75,8 @@ def _point(where: str, line: int, cells: tuple[str, ...], unit: str) -> tuple[fl
 
 
 def pressure_at(angle: float) -> str:
-    """Return the name of the chamber's pressure at an angle [degree] as a figure."""
-    return f"pressure_at_{angle:.10g}_deg"
+    """Return the name of the chamber's pressure at an angle [degree], rounded to a millionth, as a figure."""
+    return f"pressure_at_{np.format_float_positional(round(angle, 6) + 0.0, trim='-')}_deg"
 
 
 def angle_of(figure: str) -> float | None:
@@ -88,7 +88,7 @@ def angle_of(figure: str) -> float | None:
 def pressure_figure(name: str) -> Figure | None:
     """Return the declaration of a pressure at an angle; None for any other name."""
     angle = angle_of(name)
-    if angle is None:
+    if angle is None or name != pressure_at(angle):
         return None
     return Figure(name, "Pa", f"chamber pressure at {angle:g} degrees", over("peak_pressure", alone=True))
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.figures import declared, known
-from screwsim.figures.indicated import pressure_figure
+from screwsim.figures.indicated import angle_of, pressure_at
 from screwsim.fluid import constants
 from screwsim.inputs.declare import Kind
 from screwsim.inputs.faults import UsageError
@@ -39,13 +39,12 @@ from screwsim.study.asked.figure_units import (
     quantity_of,
     units_of,
 )
-from screwsim.study.calibration.fit import Measurement, Point
+from screwsim.study.calibration.fit import Measurement, Point, odd_uncertainty
 from screwsim.study.calibration.indicator import ANY_PRESSURE, INDICATOR, pressures_of
 
 MOST_POINTS = 10_000  # per fit
 UNCERTAINTY_SUFFIX = "_uncertainty"
 OF_OWN_ZERO = UNITS["K"], UNITS["Pa"]  # units of figures of which no share is an uncertainty: readings may be gauge
-SMALLEST, LARGEST = 1e-9, 1e9  # of a value: uncertainties outside are implausible or carry no information
 USE_WORDS = {"": True, "fit": True, "check": False}
 # of the suction temperature [K]: no machine leaves a gas colder; lower values are mostly degC read as K
 LEAST_TEMPERATURE_RATIO = 0.4
@@ -79,6 +78,11 @@ class _Column:
     quantity: Kind | None = None
     coverage: float = 1.0
     relative: bool = False
+
+    @property
+    def figure(self) -> str:
+        """The figure whose units the column has: of the pressures of indicators any of them."""
+        return ANY_PRESSURE if self.of == INDICATOR else self.of
 
 
 def read_points(
@@ -183,14 +187,10 @@ def _columns(
     for (column, place), name in zip(found, names, strict=True):
         if names.count(name) > 1:
             problems.add(place, column.of, "appears twice (remove one column)")
-        partner = {"figure": "uncertainty", "uncertainty": "figure"}.get(column.kind)
-        if column.kind == INDICATOR and ("uncertainty", ANY_PRESSURE) not in names:
-            problems.add(place, INDICATOR, f"needs a column {INDICATOR}{UNCERTAINTY_SUFFIX} [bar] (add it)")
-        if column.of == ANY_PRESSURE and (INDICATOR, INDICATOR) in names:
-            partner = None
+        value = INDICATOR if column.of == INDICATOR else "figure"
+        partner = {value: "uncertainty", "uncertainty": value}.get(column.kind)
         if partner and (partner, column.of) not in names and not (candidates and partner == "figure"):
-            other = column.of if partner == "figure" else column.of + UNCERTAINTY_SUFFIX
-            other = INDICATOR if other == ANY_PRESSURE else other
+            other = column.of + UNCERTAINTY_SUFFIX if partner == "uncertainty" else column.of
             if other not in refused:
                 problems.add(place, column.of, f"needs a column {other} (add it)")
     in_percent = {column.of for column, _ in found if column.kind == "figure" and column.unit == "%"}
@@ -225,7 +225,7 @@ def _with_its_percent(column: _Column, in_percent: bool) -> _Column:
 
     `in_percent` tells that the values of the figure are in %.
     """
-    if column.kind != "uncertainty" or column.unit != "%" or percent_are_points(column.of, in_percent):
+    if column.kind != "uncertainty" or column.unit != "%" or percent_are_points(column.figure, in_percent):
         return column
     return replace(column, relative=True)
 
@@ -234,24 +234,28 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str], candidates
     """Return the meaning of a column; raise `Refused` or UsageError."""
     if name in ("name", "use"):
         return _Column(name, name, unit)
+    of = name.removesuffix(UNCERTAINTY_SUFFIX)
+    if of == INDICATOR and candidates:
+        raise Refused("is for measured pressures, and nothing is measured here yet (remove it)")
     if name == INDICATOR:
-        if candidates:
-            raise Refused("names measured pressures, and nothing is measured here yet (remove it)")
+        if unit:
+            raise Refused(f"names files, which state their unit (write {INDICATOR} without [{unit}])")
         return _Column(INDICATOR, INDICATOR, unit)
-    figure = name.removesuffix(UNCERTAINTY_SUFFIX)
-    figure = ANY_PRESSURE if figure == INDICATOR else figure
-    figures = _figures(scene)
-    if figure in figures or pressure_figure(figure) is not None:
+    figure = ANY_PRESSURE if of == INDICATOR else of
+    figures, angle = _figures(scene), angle_of(figure)
+    if angle is not None and figure != pressure_at(angle):
+        raise Refused(f"is not known (write {name.replace(figure, pressure_at(angle))})")
+    if figure in figures or angle is not None:
         kind = "uncertainty" if name.endswith(UNCERTAINTY_SUFFIX) else "figure"
         units, unit = units_of(figure), tidy_unit(unit)
         if unit in units or (CELSIUS == unit and units is UNITS["K"] and kind == "figure"):
-            return _Column(kind, figure, unit)
+            return _Column(kind, of, unit)
         if unit == "%" and kind == "uncertainty" and not candidates and units not in OF_OWN_ZERO:
-            return _Column(kind, figure, unit, relative=True)
+            return _Column(kind, of, unit, relative=True)
         quantity = quantity_of(figure, kind, unit)
         if quantity is None:
             raise Refused(f"unit {shown(unit)} is not one of its units (write [{'], ['.join(u for u in units if u)}])")
-        return _Column(kind, figure, unit, quantity=quantity)
+        return _Column(kind, of, unit, quantity=quantity)
     if name in taken:
         raise Refused("is a parameter of the fit and cannot be a condition (remove one of the two)")
     in_brackets = re.fullmatch(r"(.*?)\s*\((.*)\)", name)
@@ -279,16 +283,6 @@ def _check_unit(leaf: Leaf, unit: str) -> None:
         raise Refused(str(refusal).replace(repr(f"1 {unit}"), f"unit {shown(unit)}")) from None
 
 
-def odd_uncertainty(value: float, own: float) -> str:
-    """Return why an uncertainty is implausible for a value, in one unit, with the remedy; '' where it is plausible."""
-    size = abs(value)
-    if SMALLEST * size <= own <= LARGEST * size or not size > 0.0:
-        return ""
-    what = "smaller than any measurement achieves" if own < size else "too large to be of use"
-    remedy = "state one standard uncertainty, in the unit of the column, or write (k=2) behind the column's unit"
-    return f"its uncertainty is {own / size:.1g} of the value, {what} ({remedy})"
-
-
 def _point(
     row: Row, start: Position, columns: list[tuple[_Column, Position]], problems: LocatedFaults, candidates: bool
 ) -> tuple[Point, Position] | None:
@@ -307,12 +301,14 @@ def _point(
     if len(problems) > before:
         return None
     if any(column.kind == INDICATOR for column, _ in columns):
-        own = found["uncertainty"].pop(ANY_PRESSURE, None)
+        own = found["uncertainty"].pop(INDICATOR, None)
         if (file := found[INDICATOR].get(INDICATOR)) is not None:
             try:
                 if own is None:
                     raise Refused("needs an uncertainty (fill the empty cell)")
                 own_pressures = pressures_of(file, start.folder, own)
+                if both := [name for name in own_pressures if name in found["figure"]]:
+                    raise Refused(f"its file has {both[0]}, too (remove it there, or empty the cell)")
             except Refused as refusal:
                 problems.add(place, INDICATOR, str(refusal))
                 return None
@@ -357,7 +353,7 @@ def _value(column: _Column, text: str) -> Any:
     if not re.fullmatch(NUMBER, text):
         raise Refused(f"{shown(text)} is not a number (write e.g. 0.5; units go in the first line)")
     value = float(text) if column.quantity is None else float(parse_quantity(column.quantity, f"{text} {column.unit}"))
-    if not column.unit and (meant := bare_percent(column.of, text, column.kind)):
+    if not column.unit and (meant := bare_percent(column.figure, text, column.kind)):
         head = column.of + (UNCERTAINTY_SUFFIX if column.kind == "uncertainty" else "")
         raise Refused(f"{text} {meant.partition(' (')[0]} (write the unit behind the column's name: {head} [%])")
     if column.kind == "uncertainty" and not value > 0.0:
@@ -368,4 +364,4 @@ def _value(column: _Column, text: str) -> Any:
         return value / column.coverage
     if column.unit == CELSIUS:
         return value + ZERO_CELSIUS
-    return value * units_of(column.of)[column.unit] / column.coverage
+    return value * units_of(column.figure)[column.unit] / column.coverage

@@ -19,6 +19,7 @@ TOLERANCE_REMEDY = "prior from the scene's tolerance"
 # correlation within a group of correlated parameters: with 1 the density would have no width across
 GROUP_CORRELATION = 0.999
 LEAST_PRIOR_VALUE = 1e-9  # of the mean of a logarithmic prior: smallest value, as bounds may begin at zero
+SMALLEST, LARGEST = 1e-9, 1e9  # of a value: uncertainties outside are implausible or carry no information
 
 
 class Tie(NamedTuple):
@@ -106,6 +107,16 @@ class Parameter:
     def values(self, value: float) -> dict[str, float]:
         """Return the values [SI] of the path and of those that follow it."""
         return {self.path: value, **{tie.path: tie.factor * value + tie.offset for tie in self.ties}}
+
+
+def odd_uncertainty(value: float, own: float) -> str:
+    """Return why an uncertainty is implausible for a value, in one unit, with the remedy; '' where it is plausible."""
+    size = abs(value)
+    if SMALLEST * size <= own <= LARGEST * size or not size > 0.0:
+        return ""
+    what = "smaller than any measurement achieves" if own < size else "too large to be of use"
+    remedy = "state one standard uncertainty, in the unit of the column, or write (k=2) behind the column's unit"
+    return f"its uncertainty is {own / size:.1g} of the value, {what} ({remedy})"
 
 
 def prior_of(scene: Scene, parameter: Parameter) -> Prior | None:

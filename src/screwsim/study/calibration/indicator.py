@@ -6,7 +6,7 @@ from screwsim.figures.indicated import IndicatedVolumes, pressure_at, read_indic
 from screwsim.inputs.faults import UsageError
 from screwsim.scene.units import Refused
 from screwsim.scene.values import shown
-from screwsim.study.calibration.fit import Measurement
+from screwsim.study.calibration.fit import Measurement, odd_uncertainty
 
 INDICATOR = "indicator"  # column with the file of a point; its uncertainty has the usual suffix
 ANY_PRESSURE = pressure_at(0.0)  # a figure with the units that pressures at angles have
@@ -37,5 +37,7 @@ def pressures_of(file: str, folder: str, uncertainty: float) -> dict[str, Measur
             raise Refused(f"{shown(file)} has {angle:g} deg twice (give the mean of the recorded cycles)")
         if angle < 0.0:
             raise Refused(f"{shown(file)} has {angle:g} deg (angles count from where the chamber begins to grow)")
+        if why := odd_uncertainty(pressure, uncertainty):
+            raise Refused(why)
         found[name] = Measurement(pressure, uncertainty)
     return found
