@@ -160,9 +160,8 @@ class Parts:
 
     @once
     def films(self) -> list[bool]:
-        """For each gap between chambers, whether oil leaks through it as a film."""
-        held = [path.resistance for _, path in self.gaps]
-        return [each is not None and (each.film or each.drag) is not None for each in held]
+        """For each opening to a line or plenum, then each gap between chambers: whether oil passes beside the gas."""
+        return [path.flow.with_oil() for _, path in (*self.ports, *self.gaps)]
 
     @once
     def walls(self) -> list[tuple[str, base.Wall]]:
