@@ -161,7 +161,8 @@ class Parts:
     @once
     def films(self) -> list[bool]:
         """For each opening to a line or plenum, then each gap between chambers: whether oil passes beside the gas."""
-        return [path.flow.with_oil() for _, path in (*self.ports, *self.gaps)]
+        flows = [path.flow for _, path in (*self.ports, *self.gaps)]
+        return [flow is not base.NOZZLE and flow.with_oil() for flow in flows]
 
     @once
     def walls(self) -> list[tuple[str, base.Wall]]:

@@ -162,7 +162,7 @@ def _structure_of(part: Any) -> Any:
         return kind if kind in OUTSIDE_TEXT else part
     found = [kind, _STRUCTURE[kind](part), part.values.keys()]
     if kind is FlowPath:
-        found += [part.mirror is None, _arrays(part), _structure_of_flow(part.flow)]
+        found += [part.mirror is None, _arrays(part), part.flow is not NOZZLE and _structure_of_flow(part.flow)]
     if kind is Wall:
         found.append(part.temperature if isinstance(part.temperature, str) else type(part.temperature))
     return found
@@ -170,8 +170,6 @@ def _structure_of(part: Any) -> Any:
 
 def _structure_of_flow(kind: FlowKind) -> Any:
     """Return what affects the text about a kind of flow: all its fields, but of its values only their names."""
-    if kind is NOZZLE:
-        return None
     return [type(kind), kind.values.keys(), *(getattr(kind, name) for name in _fields_of(type(kind)))]
 
 

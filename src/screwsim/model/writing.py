@@ -9,7 +9,7 @@ import math
 from collections import ChainMap
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from types import MappingProxyType
 from typing import Any
 
@@ -265,14 +265,20 @@ def _streams(effect: str, kind: FlowKind, calls: Mapping[str, str], network: Net
     if len(beside) > len(set(beside)):
         raise TypeError(f"{name}: one stream of oil may be driven by pressures, and one by a wall")
     try:
-        text = "\n".join(line for each in found for line in (*SOMEWHERE.lines(each), SOMEWHERE.flux(each)))
-        names = [each for each in ast.walk(ast.parse(text)) if isinstance(each, ast.Name)]
+        names = names_set(found)
     except (LookupError, AttributeError, ValueError, SyntaxError) as error:
         raise TypeError(f"{name}: its text cannot be read ({error})") from None
-    set_here = {each.id for each in names if isinstance(each.ctx, ast.Store)}
-    if twice := sorted(set_here & taken(network)):
+    if twice := sorted(names and names & taken(network)):
         raise TypeError(f"{name}: its text may not set {', '.join(twice)}, which the text of every chamber has")
     return found
+
+
+@lru_cache(maxsize=256)
+def names_set(streams: tuple[PathStream, ...]) -> frozenset[str]:
+    """Return the names that the text of streams sets; raise an error where it cannot be read."""
+    text = "\n".join(line for each in streams for line in (*SOMEWHERE.lines(each), SOMEWHERE.flux(each)))
+    names = [each for each in ast.walk(ast.parse(text)) if isinstance(each, ast.Name)]
+    return frozenset(each.id for each in names if isinstance(each.ctx, ast.Store))
 
 
 def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:

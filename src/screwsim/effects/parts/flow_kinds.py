@@ -149,6 +149,10 @@ class Resistance(FlowKind):
     )
     in_gaps_alone = True
 
+    def with_oil(self) -> bool:
+        """Return whether oil passes beside the gas."""
+        return self.film is not None or self.drag is not None
+
     def streams(self, calls: Mapping[str, str]) -> Sequence[PathStream]:
         """Return the stream of gas, and those of oil beside it."""
         before = ["nozzle = {nozzle}"]
