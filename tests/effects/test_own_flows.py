@@ -198,6 +198,10 @@ def with_path(flow, to=NEIGHBOUR, *changes, **more):
         ([PathStream(GAS, (), "{own.speed}")], "its text cannot be read"),
         ([PathStream(GAS, (), "{wall}")], "its text cannot be read"),
         ([PathStream(GAS, ["x = = 2.0"], "x")], "its text cannot be read"),
+        (
+            [PathStream(GAS, ["x = 2.0"], "x"), PathStream(OIL, (), "x")],
+            r"its text cannot be read \(it does not set x\)",
+        ),
     ],
 )
 def test_streams_that_the_network_cannot_take_are_refused(streams, message):

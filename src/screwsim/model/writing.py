@@ -275,10 +275,21 @@ def _streams(effect: str, kind: FlowKind, calls: Mapping[str, str], network: Net
 
 @lru_cache(maxsize=256)
 def names_set(streams: tuple[PathStream, ...]) -> frozenset[str]:
-    """Return the names that the text of streams sets; raise an error where it cannot be read."""
-    text = "\n".join(line for each in streams for line in (*SOMEWHERE.lines(each), SOMEWHERE.flux(each)))
-    names = [each for each in ast.walk(ast.parse(text)) if isinstance(each, ast.Name)]
-    return frozenset(each.id for each in names if isinstance(each.ctx, ast.Store))
+    """Return the names that the text of streams sets; raise an error where it cannot be read.
+
+    The text of each stands by itself: it is read without those of the others (`Chamber.film_flows`).
+    """
+    found: set[str] = set()
+    for stream in streams:
+        nodes = list(ast.walk(ast.parse("\n".join([*SOMEWHERE.lines(stream), SOMEWHERE.flux(stream)]))))
+        names = [each for each in nodes if isinstance(each, ast.Name)]
+        own = {each.id for each in names if isinstance(each.ctx, ast.Store)}
+        called = {each.func.id for each in nodes if isinstance(each, ast.Call) and isinstance(each.func, ast.Name)}
+        unknown = {each.id for each in names if not each.id.startswith("P_")} - own - called - {"P", "TAB", "math"}
+        if unknown:
+            raise ValueError(f"it does not set {', '.join(sorted(unknown))}")
+        found |= own
+    return frozenset(found)
 
 
 def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:

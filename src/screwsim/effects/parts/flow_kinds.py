@@ -27,6 +27,7 @@ class PathStream(NamedTuple):
     the path, `{leading.p}` of the chamber ahead or of the line, with p, rho, h, exponent, oil_ratio, T_oil (with oil
     that takes room: enthalpy over heat capacity) or held; `{width}` [Pa], below which pressure differences may be
     smoothed; `{nozzle}`, a nozzle's flux (M12); `{per_slow}`, after a flux that holds at the mean speed of the rotors.
+    The text of each stream stands by itself: what it uses, it sets.
 
     A `driven` stream is one of oil that a moving wall takes from the leading to the trailing chamber, whatever their
     pressures; its flux, ≥ 0, is into the latter. Where oil takes room it does work on the wall (M257).
