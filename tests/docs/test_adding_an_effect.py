@@ -42,7 +42,7 @@ def folder(tmp_path_factory):
     """Lay out what the page shows: the effect, a scene that names it, its test."""
     folder = tmp_path_factory.mktemp("page")
     (folder / "my_effects").mkdir()
-    effect, vessel, slit, heat, test = blocks("python")
+    effect, vessel, heat, slit, test = blocks("python")
     yaml, heated = blocks("yaml")
     (folder / "my_effects" / "suction_leak.py").write_text(effect, encoding="utf-8")
     (folder / "my_effects" / "vessel.py").write_text(vessel, encoding="utf-8")
