@@ -84,10 +84,10 @@ def closed(scene: Scene) -> tuple[Machinery, Callable[[int], None]]:
     problem = problem_of(scene)
     machinery = lease_for(problem)
     rtol = close(ClosingTask(problem, machinery, problem.criteria)).rtol
-    times, dense, quads, steps = machinery.last()
-    new = machinery.histories[1]  # neighbours behind are read from the turn being integrated, which is the same one
+    times, dense, quads, steps = machinery.lives.last()
+    new = machinery.lives.histories[1]  # neighbours behind are read from the turn being integrated, the same one
     new[0][: steps + 1], new[1][:steps], new[2][:steps] = times[: steps + 1], dense[:steps], quads[:steps]
-    machinery.kept[0] = steps
+    machinery.lives.kept[0] = steps
     start = chambers_at_pitches(machinery)[: machinery.n]
 
     def turns(times: int) -> None:
@@ -101,7 +101,7 @@ def timers(machinery: Machinery) -> dict[str, Callable[[int], object]]:
     """Return the timed functions: the parts of a step, as compiled for the scene."""
     module = compiled(machinery.composition.text + LOOPS, "step_times")
     n, nq, context = machinery.n, machinery.nq, machinery.context
-    at, dense, _, steps = machinery.last()
+    at, dense, _, steps = machinery.lives.last()
     chosen = np.linspace(0, steps - 1, MOMENTS).astype(int)
     angles, Y = at[chosen] + 1e-9, dense[chosen, 0, :n].copy()
     middles = 0.5 * (at[chosen] + at[chosen + 1])

@@ -153,6 +153,16 @@ def test_a_result_is_a_table_of_pandas_and_of_xarray(result):
     assert data.pressure.dims == ("angle",)
 
 
+def test_the_ledger_is_a_row_an_effect_whose_losses_add_up(result):
+    frame, ledger = result.ledger.to_pandas(), result.ledger
+    assert frame.exergy_destroyed.is_monotonic_decreasing
+    assert frame.exergy_destroyed.sum() == pytest.approx(ledger.exergy_destroyed, rel=1e-12)
+    assert frame.loc["suction_port", "gas_moved"] == ledger.gas_moved_suction_port
+    assert frame.attrs["shaft_power"] == ledger.shaft_power
+    assert set(frame.columns) == set(frame.attrs["units"]) and frame.attrs["units"]["entropy_generated"] == "W K-1"
+    assert Result("failed").ledger.to_pandas().empty
+
+
 def test_results_are_a_row_a_case(tmp_path):
     scene = screwsim.scene.scene_of(GIVEN).with_({"sweep.operation.speed": ["1000 rpm", "2000 rpm"]})
     run_sweep(scene, tmp_path / "x.h5", jobs=1, simulate=made)

@@ -150,7 +150,7 @@ def print_restless() -> None:
     y, works = install_first_guess(problem, machinery), []
     for _ in range(TURNS):
         works.append(machinery.turn(y, 1e-4)[2][0])
-        machinery.swap()
+        machinery.lives.swap()
     late = works[TURNS // 2 :]
     print(f"  turns {TURNS // 2} to {TURNS} of its course: work {min(late):.3f} to {max(late):.3f} J")
 

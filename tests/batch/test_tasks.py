@@ -132,10 +132,10 @@ def test_turns_are_integrated_side_by_side_as_alone_and_leave_every_array_so(sam
 
     def noted(machinery, y, rtol, h, turn):
         answer = turn(machinery, y, rtol, h)
-        steps = int(machinery.kept[0])
+        steps = int(machinery.lives.kept[0])
         kept.setdefault(turn, []).append((
             *(answer[0], answer[1], answer[2].copy(), y.copy(), steps, machinery.counts.copy(), machinery.R.copy()),
-            *(machinery.histories[1][0][: steps + 1].copy(), machinery.histories[1][1][:steps, :2].copy()),
+            *(machinery.lives.histories[1][0][: steps + 1].copy(), machinery.lives.histories[1][1][:steps, :2].copy()),
         ))  # fmt: skip
         return answer
 

@@ -109,7 +109,7 @@ def turn():
 def test_events_are_where_an_integrated_turn_has_them(turn):
     machinery, y = turn.pitch.machinery, np.where(np.abs(turn.start) < ROUNDING, 0.0, turn.start)  # at rest
     status, *_ = machinery.turn(y, FINE_TURN)
-    machinery.swap()
+    machinery.lives.swap()
     integrated = course_of(machinery.trajectory)
     assert status == 0
     assert turn.pitch.events.course.events == integrated.events

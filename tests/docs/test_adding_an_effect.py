@@ -42,10 +42,11 @@ def folder(tmp_path_factory):
     """Lay out what the page shows: the effect, a scene that names it, its test."""
     folder = tmp_path_factory.mktemp("page")
     (folder / "my_effects").mkdir()
-    effect, vessel, heat, test = blocks("python")
+    effect, vessel, heat, slit, test = blocks("python")
     yaml, heated = blocks("yaml")
     (folder / "my_effects" / "suction_leak.py").write_text(effect, encoding="utf-8")
     (folder / "my_effects" / "vessel.py").write_text(vessel, encoding="utf-8")
+    (folder / "my_effects" / "wet_slit.py").write_text(slit, encoding="utf-8")
     (folder / "my_effects" / "droplet_heat.py").write_text(heat, encoding="utf-8")
     (folder / "heated.yaml").write_text(f"base: {POINT}\n{heated}", encoding="utf-8")
     scene = f"{MACHINE}{yaml.rstrip()}\n  suction_port:\n  discharge_port:\n"
@@ -140,6 +141,22 @@ def test_the_page_lists_every_kind_of_quantity():
     listed = re.search(r"The kinds of `quantity` are(.*?)\.\n", PAGE, re.S)[1]
     words = re.sub(r"\([^)]*\)", "", listed).replace(" and ", ", ")
     assert [word.strip() for word in words.split(",")] == list(KINDS)
+
+
+def test_oil_passes_a_slit_of_ones_own_beside_the_gas(folder):
+    name = "my_effects.wet_slit"
+    sets = [
+        "oil={density: 950 kg/m^3, heat_capacity: 2 kJ/(kg K), transport: carried}",
+        "oil_supply={kind: pump, temperature: 300 K, ratio: 5}",
+        "effects.oil_heat={droplet_radius: 50 um, heat_transfer_coefficient: 500 W/(m^2 K)}",
+        f"effects={{{name}: {{height: 80 um, width: 0.1 m, length: 20 mm}}}}",
+    ]
+    result = simulate(scenes.load(folder / "scene.yaml", sets))
+    assert result.status == "ok"
+    balance = result.balance
+    assert max(balance.mass, balance.energy, balance.oil_mass, balance.entropy) <= balance.bound
+    assert result.cycle[f"oil_flow_{name}_trailing"].min() < 0.0 and result.cycle[f"oil_flow_{name}"].min() < 0.0
+    assert result.ledger[f"entropy_generated_{name}"] > 0.0
 
 
 def test_schema_allows_it_by_its_dotted_name():

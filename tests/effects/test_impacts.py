@@ -91,13 +91,13 @@ def turned(weight=2.0, restitution=0.5, start=1.0, rtol=RTOL, held=2.5e5, method
     y[list(GAS)] = T_S, parts.gas.density(4e5, T_S)
     y[list(BALL + LID)] = start, 0.0, 0.0, 0.0
     status, *_ = machinery.pitch(y, rtol, check=check_of(method))
-    machinery.swap()
+    machinery.lives.swap()
     return status, machinery
 
 
 def jumps(machinery, speed):
     """Return (angles, speeds before, speeds after) where a speed jumps between two steps."""
-    times, dense, _, steps = machinery.last()
+    times, dense, _, steps = machinery.lives.last()
     before, after = dense[: steps - 1, 1, speed], dense[1:steps, 0, speed]
     at = np.flatnonzero(before != after)
     return times[at + 1], before[at], after[at]
@@ -126,7 +126,7 @@ def test_impacts_of_a_ball_are_a_geometric_series(restitution, method, rtol):
 def test_heights_between_impacts_are_geometric_and_energy_is_lost_at_impacts_only():
     restitution = 0.6
     _, machinery = turned(restitution=restitution)
-    times, dense, _, steps = machinery.last()
+    times, dense, _, steps = machinery.lives.last()
     shares = np.linspace(0.0, 1.0, 41)[:, None]
     rows = [dense[:steps, i, BALL[0]] for i in range(4)]
     height = rows[0] * (1 - shares) + shares * (rows[1] + (1 - shares) * (rows[2] + shares * rows[3]))
@@ -149,7 +149,7 @@ def test_no_restitution_no_bounce():
     assert len(times) == machinery.impacts - len(jumps(machinery, LID[1])[0]) == 1
     assert times[0] == pytest.approx(1.0, abs=1e-6)
     assert after[0] == 0.0
-    angles, dense, _, steps = machinery.last()
+    angles, dense, _, steps = machinery.lives.last()
     resting = angles[:steps] >= times[0]
     assert (dense[:steps][resting][:, :, list(BALL)] == 0.0).all()
 
@@ -163,14 +163,14 @@ def test_impacts_that_do_not_end_are_a_status():
 def test_a_ball_that_starts_beyond_seat_or_stop_is_put_there():
     for start, expected in ((-0.1, 0.0), (1.3, 1.0)):
         _, machinery = turned(start=start)
-        assert machinery.last()[1][0, 0, BALL[0]] == expected
+        assert machinery.lives.last()[1][0, 0, BALL[0]] == expected
 
 
 @pytest.mark.parametrize(("method", "rtol"), [("rodas4", RTOL), ("scipy-radau", 1e-8)])
 def test_what_rests_leaves_where_its_push_turns(method, rtol):
     held = 2.5e5
     _, machinery = turned(held=held, rtol=rtol, method=method)
-    times, dense, _, steps = machinery.last()
+    times, dense, _, steps = machinery.lives.last()
     moving = np.flatnonzero(dense[:steps, 1, LID[1]] != 0.0)[0]
     c = machinery.composition
 

@@ -67,7 +67,7 @@ def works(scene, side: str) -> tuple[float, float, float]:
     assert cycle.status == "ok"
     states = machinery.composition.states
     lift, speed = (states.index(f"{side}_valve_{name}") for name in ("lift", "speed"))
-    times, dense, _, steps = machinery.last()
+    times, dense, _, steps = machinery.lives.last()
     nodes, weights = np.polynomial.legendre.leggauss(4)
     theta = 0.5 + 0.5 * nodes[:, None]
 

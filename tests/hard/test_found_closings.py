@@ -23,6 +23,7 @@ from screwsim.cycle.search import FALLBACK_NAME, LARGEST_RTOL, newton_search, se
 from screwsim.cycle.simultaneous import chambers_at_pitches, close_together
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import leases
+from screwsim.model.all_chambers import install_pitch, moved_on
 from screwsim.numerics.integrators import check_of
 from screwsim.outputs import Figures, Result
 from screwsim.scene import loads, with_values
@@ -354,7 +355,7 @@ def test_search_finds_the_cycle_that_pitches_leave(left):
     place, c = logarithms(found.y, machinery.composition), machinery.composition
     end = found.y.copy()
     machinery.pitch(end, LARGEST_RTOL)
-    assert np.abs(logarithms(machinery.shift(end), c) - place).max() < problem.criteria.tolerance
+    assert np.abs(logarithms(moved_on(machinery, end), c) - place).max() < problem.criteria.tolerance
     again = newton_search(ClosingTask(problem, machinery, problem.criteria), found.y * np.exp(1e-2))
     assert again is not None
     assert np.abs(logarithms(again[0], c) - place).max() < 1e-3
@@ -375,9 +376,9 @@ def test_pitches_make_of_a_small_change_what_is_told_of_a_cycle_that_they_leave(
     at = logarithms(found.y, c)
     for _ in range(PITCHES):
         *_, q = machinery.pitch(y, LARGEST_RTOL)
-        machinery.install_coupled()
+        install_pitch(machinery)
         set_unknowns(problem, machinery, image(problem, machinery.trajectory, q))
-        y = machinery.shift(y)
+        y = moved_on(machinery, y)
         strayed.append(float(np.linalg.norm(logarithms(y, c) - at)))
     assert strayed[-1] < 0.03  # still small
     assert (strayed[-1] / strayed[-1 - TURNED]) ** (1.0 / TURNED) == pytest.approx(found.growth, rel=0.01)

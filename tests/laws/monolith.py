@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 from screwsim.cycle.simultaneous import chambers_at_pitches
 from screwsim.machine.drive.train import Train
+from screwsim.model.all_chambers import inject, moved_on, pitch_breakpoints
 from screwsim.model.slots import E_AREAS, E_SLOPE, FREE, P_OMEGA, PORT_STATE, PRESSURE
 
 
@@ -54,10 +55,10 @@ class Monolith:
         """Return (angles, states along them, end) of one pitch from y, oil injected at its start."""
         y = y.copy()
         chambers = y[: self.n].copy()
-        self.machinery.inject(chambers)
+        inject(self.machinery, chambers)
         y[: self.n] = chambers
         angles, states = [], []
-        breakpoints = self.machinery.pitch_breakpoints()
+        breakpoints = pitch_breakpoints(self.machinery)
         for first, last in pairwise(breakpoints):
             middle = 0.5 * (first + last)
             found = solve_ivp(
@@ -72,7 +73,7 @@ class Monolith:
             angles.append(found.t[:-1])
             states.append(found.y.T[:-1])
             y = found.y[:, -1]
-        end = np.concatenate([self.machinery.shift(y[: self.n]), y[self.n :]])
+        end = np.concatenate([moved_on(self.machinery, y[: self.n]), y[self.n :]])
         return np.concatenate(angles), np.concatenate(states), end
 
 

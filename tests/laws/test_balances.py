@@ -176,6 +176,6 @@ def test_every_scene_is_solved_as_if_it_were_the_first(way):
     after = simulate(other)
     problem = problem_of(other)
     lent, fresh = leases.lease(problem.composition), Machinery(problem.composition)
-    assert lent.last()[0].any() and not fresh.last()[0].any()  # the first has been used before
+    assert lent.lives.last()[0].any() and not fresh.lives.last()[0].any()  # the first has been used before
     found = evaluate(problem, close(ClosingTask(problem, fresh, problem.criteria))).figures
     assert found == after.performance

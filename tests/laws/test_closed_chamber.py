@@ -38,8 +38,8 @@ def test_a_closed_chamber_keeps_its_gas():
     problem = problem_of(make(NO_EFFECTS))
     machinery, c = lease_for(problem), problem.composition
     assert machinery.turn(install_first_guess(problem, machinery), 1e-4)[0] == 0
-    machinery.swap()
-    times, dense, _, steps = machinery.last()
+    machinery.lives.swap()
+    times, dense, _, steps = machinery.lives.last()
     mass = [dense[i, 1, 1] * machinery.module.volume_at(times[i + 1], c.P, c.TAB) for i in range(steps)]
     assert max(mass) / min(mass) - 1.0 < 1e-15 * steps  # rounding of each step: the rate of m is zero
 

@@ -236,7 +236,7 @@ def test_a_trend_that_leads_to_no_state_of_a_gas_is_not_followed(one_closed, whe
     alone = thinner.values[: len(y)]
     trend = 5.0 * alone - 4.0 * before.values[: len(y)]
     assert y == pytest.approx(trend if followed else alone, rel=1e-12)
-    ends = machinery.last()[1][: machinery.last()[3], 1]
+    ends = machinery.lives.last()[1][: machinery.lives.last()[3], 1]
     grows = 5.0 * thinner.history[1] - 4.0 * before.history[1] if followed else thinner.history[1]
     assert ends == pytest.approx(grows[:, 1], rel=1e-9)
 

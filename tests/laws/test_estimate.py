@@ -101,12 +101,12 @@ def test_a_cycle_stands_when_longer_turns_come_after_it():
     problem, machinery, cycle = closed(make(CASES["paper"]))
     life, figures = cycle.trajectory, evaluate(problem, cycle).figures
     before = numbers_of(life)
-    longer = [np.repeat(part, 2 + machinery.max_steps // life.steps, axis=0) for part in (life.dense, life.quads)]
+    longer = [np.repeat(part, 2 + machinery.lives.max_steps // life.steps, axis=0) for part in (life.dense, life.quads)]
     machinery.install(np.arange(len(longer[0]) + 1.0), longer[0][:, :, : machinery.n], longer[1])
-    assert machinery.last()[3] == len(longer[0])
+    assert machinery.lives.last()[3] == len(longer[0])
     assert all(map(np.array_equal, before, numbers_of(life)))
-    assert all(len(arrays[1]) >= machinery.max_steps for arrays in machinery.histories)
-    assert len({id(arrays[1]) for arrays in machinery.histories}) == 2
+    assert all(len(arrays[1]) >= machinery.lives.max_steps for arrays in machinery.lives.histories)
+    assert len({id(arrays[1]) for arrays in machinery.lives.histories}) == 2
     machinery.put(life)  # and turns go on from there
     assert all(map(np.array_equal, before, numbers_of(machinery.trajectory.copy())))
     found = close_again(ClosingTask(problem, machinery, problem.criteria), cycle)

@@ -141,7 +141,7 @@ def moments(transport):
         names["gas_entropy"](R[at + ENTHALPY] / problem.parts.gas.c_p, R[at + DENSITY], c.P, c.TAB)
         for at in (R_SUCTION, R_DISCHARGE)
     )
-    times, dense, _, steps = machinery.last()
+    times, dense, _, steps = machinery.lives.last()
     E, y = np.zeros(c.n_E), np.zeros(len(c.states))
     flows = np.zeros(c.n_flows)
     generated = []

@@ -49,7 +49,7 @@ def settled(problem, machinery, cycle, coordinates):
     work = 0.0
     for _ in range(60):
         *_, q = machinery.turn(y, FINE)
-        machinery.swap()
+        machinery.lives.swap()
         if abs(q[0] - work) <= 1e-9 * abs(work):
             break
         work = q[0]
@@ -118,10 +118,10 @@ def test_a_correction_takes_back_what_an_unknown_was_off_by(standing):
     off = here + STEP * (np.arange(len(here)) == 0)
     set_unknowns(problem, machinery, problem.entries.values(off, met))
     met = unknowns(problem, machinery)
-    y, steps = cycle.y.copy(), int(machinery.kept[1])
+    y, steps = cycle.y.copy(), int(machinery.lives.kept[1])
     before = np.log(y)
     *_, q = machinery.turn(y, FINE)
-    machinery.swap()
+    machinery.lives.swap()
     made = image(problem, machinery.trajectory, q)
     found = Corrections(problem, machinery).of_turn(steps, np.log(y) - before, q, met, made)
     assert found is not None and found.share == 1.0

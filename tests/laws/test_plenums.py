@@ -12,6 +12,7 @@ from screwsim.effects.plenums import Parameters, PlenumWithLine, offset, pulsati
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.explain import explain
 from screwsim.inputs.faults import SceneError
+from screwsim.model.all_chambers import inject, moved_on, pitch_breakpoints
 from screwsim.model.slots import DENSITY, DISCHARGE_IN, EXPONENT, P_OMEGA, P_PITCH, PORT_STATE, PRESSURE
 from screwsim.scene import loads
 from screwsim.simulate import simulate
@@ -91,7 +92,7 @@ def test_a_lifes_flow_into_its_lines_is_read_once_and_another_lifes_anew():
     assert kept.into_lines(LINE_POINTS) is first
     again = {**kept._asdict(), "line_flows": {}}
     np.testing.assert_array_equal(type(kept)(**again).into_lines(LINE_POINTS)[0], first[0])
-    machinery.histories[0][1][: view.steps, :, 1] *= 1.01  # denser gas
+    machinery.lives.histories[0][1][: view.steps, :, 1] *= 1.01  # denser gas
     denser = machinery.trajectory.into_lines(LINE_POINTS)[0]
     assert abs(denser / first[0] - 1.0).min() > 1e-4
     machinery.composition.P[P_OMEGA] *= 2.0
@@ -264,14 +265,14 @@ def monolith(scene, pitches):
     y, p = cycle.y.copy(), p_d
     grid = np.linspace(0.0, pitch, 361)
     for _ in range(pitches):
-        machinery.inject(y)
+        inject(machinery, y)
         z, seen = np.append(y, p), []
-        for a, b in zip(machinery.pitch_breakpoints(), machinery.pitch_breakpoints()[1:], strict=False):
+        for a, b in zip(pitch_breakpoints(machinery), pitch_breakpoints(machinery)[1:], strict=False):
             angles = grid[(grid >= a) & (grid < b)]
             found = solve_ivp(rates, (a, b), z, "Radau", rtol=1e-6, atol=1e-12, t_eval=[*angles, b])
             z = found.y[:, -1]
             seen.append(found.y[-1, : len(angles)])
-        y, p = machinery.shift(z[:-1]), z[-1]
+        y, p = moved_on(machinery, z[:-1]), z[-1]
     return ours, np.concatenate(seen)
 
 

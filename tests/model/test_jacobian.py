@@ -34,7 +34,7 @@ def machinery(request):
     scene = make({"operation.speed": "1000 rpm", "numerics": numerics, **OF_ALL_STREAMS[request.param]})
     _, machinery, cycle = closed(scene)
     assert cycle.status == "ok"
-    machinery.kept[0] = 0  # both sides are read from the last turn
+    machinery.lives.kept[0] = 0  # both sides are read from the last turn
     return machinery
 
 
@@ -48,14 +48,14 @@ def driver(machinery, request):
             c.n_E,
             *kernels,
             machinery.context,
-            lambda phi: machinery.states_at(np.array([phi]))[0],
+            lambda phi: machinery.lives.states_at(np.array([phi]))[0],
             ALONE,
             machinery.nq,
         )
     m = machinery.together
     kernels = m.chambers__surroundings, m.chambers__rates, m.chambers__jacobian
     offsets = c.P[1] * np.arange(c.chambers)
-    states = lambda s: machinery.states_at(s + offsets).ravel()  # noqa: E731
+    states = lambda s: machinery.lives.states_at(s + offsets).ravel()  # noqa: E731
     return Driver(
         c.chambers * machinery.n, c.n_E_all, *kernels, machinery.coupled_context, states, TOGETHER, machinery.nq + 1
     )
@@ -120,7 +120,7 @@ def test_the_derivative_by_the_angle_is_that_of_the_rates(driver, machinery):
 def test_a_chamber_alone_has_the_rates_of_the_chamber_among_all(machinery):
     c, module = machinery.composition, machinery.module
     s = np.radians(40.0)
-    states = machinery.states_at(s + c.P[1] * np.arange(c.chambers))
+    states = machinery.lives.states_at(s + c.P[1] * np.arange(c.chambers))
     E, f, g = np.zeros(c.n_E_all), np.empty(states.size), np.empty(machinery.nq + 1)
     machinery.together.chambers__surroundings(s, s + 1e-3, machinery.coupled_context, E)
     machinery.together.chambers__rates(states.ravel(), E, machinery.coupled_context, f, g)

@@ -11,7 +11,7 @@ from each_row import each_row
 from scenes import DROP, ECONOMIZER, FRICTION, HELD_GAPS, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, SOLUBLE_RATE, make
 
 from screwsim.build import PartsCache, build_parts
-from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilPort, Part, Resistance, Wall
+from screwsim.effects.base import ChamberState, FlowPath, HeatRate, OilPort, Part, Wall
 from screwsim.model import series
 from screwsim.model.compose import compose
 from screwsim.model.renumbering import OUTSIDE_TEXT, STRUCTURE, renumbered
@@ -37,9 +37,7 @@ SCENES = {
 }
 FRICTION_GAP = {"gap": "40 um", "length": "150 mm", "friction_fit": "flank", **FRICTION}
 NUMBERS = {  # fields that only give numbers, places of breakpoints, or what is compared by itself
-    FlowPath: {"values", "breakpoints", "own_breakpoints", "corners", "flow_coefficient", "tables", "mirror"}
-    | {"resistance", "law_title"},
-    Resistance: {"values", "title"},
+    FlowPath: {"values", "breakpoints", "own_breakpoints", "corners", "flow_coefficient", "tables", "mirror", "flow"},
     HeatRate: {"values"},
     Wall: {"values", "temperature"},
     ChamberState: {"values", "start"},

@@ -85,8 +85,8 @@ def wet_turn(fluid: str, p: float) -> dict[str, Any]:
     T = border.dew_temperature(p)
     y[:2] = T, DENSER / border.saturated_volumes(T)[1]
     status, *_ = machinery.turn(y, 1e-10)
-    machinery.swap()
-    course = machinery.states_at(np.radians(np.arange(0.0, 720.0, 5.0)))[:, :2]
+    machinery.lives.swap()
+    course = machinery.lives.states_at(np.radians(np.arange(0.0, 720.0, 5.0)))[:, :2]
     if status != 0:
         return {"none": f"the turn ended with {status}"}
     wet = float(np.mean([gas.phased_state[0](T, rho) for T, rho in course]))

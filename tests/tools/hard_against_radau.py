@@ -40,6 +40,7 @@ from screwsim.cycle.solution import ClosingCriteria, CycleSolution  # noqa: E402
 from screwsim.cycle.ways import way_of  # noqa: E402
 from screwsim.evaluate.evaluation import evaluate  # noqa: E402
 from screwsim.figures.errors import relative_errors  # noqa: E402
+from screwsim.model.all_chambers import install_pitch, moved_on  # noqa: E402
 from screwsim.model.run import Machinery  # noqa: E402
 from screwsim.numerics.integrators import check_of  # noqa: E402
 from screwsim.numerics.store import write_atomically  # noqa: E402
@@ -125,8 +126,8 @@ def followed(problem: Problem, machinery: Machinery, wanted: ClosingCriteria, y:
         status, angle, q = machinery.pitch(y, wanted.rtol, check=wanted.check)
         if status != 0:
             return CycleSolution("failed", machinery.trajectory.copy(), q, y, 1, "coupled", wanted.rtol, angle)
-        y = machinery.shift(y)
-    machinery.install_coupled()
+        y = moved_on(machinery, y)
+    install_pitch(machinery)
     change = float(np.max(np.abs(y / began - 1.0)))
     status = "ok" if change <= problem.scene.numerics.accuracy else "not_closed"
     life = machinery.trajectory.copy()

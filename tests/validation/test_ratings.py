@@ -8,6 +8,7 @@ from each_row import each_row
 
 import screwsim
 from screwsim.outputs import Figures, Result
+from screwsim.scene import value_at
 from screwsim.study.calibration import read_fit
 from screwsim.study.validation import NotRun, read_table, sibling
 from screwsim.template import reciprocating
@@ -120,6 +121,29 @@ def test_a_rating_that_has_no_solution_is_told_and_not_left_out(rated, row, comp
 def test_losses_of_lambda_at_any_speed_and_by_the_time_of_a_turn_are_told_apart(compare_of):
     slow, full = (1.0 - 0.02 - 0.05 * 50.0 / frequency for frequency in (25.0, 50.0))
     assert compare_of("hsk").split(slow, full) == "2.0 + 5.0 points"
+
+
+def test_slip_that_grows_with_the_square_of_the_frequency_raises_lambda_of_the_source(rated, compare_of):
+    """50 rpm of 3000 at 50 Hz are 112.5 of 4500 at 75, where 75 had been taken."""
+    compare, scene = compare_of("hsk"), screwsim.load(ROOT / "configs" / "paper" / "point.yaml")
+    filled = Result("ok", performance=Figures(dict.fromkeys(FIGURES, 0.9)))
+    ratings = [one for one in rated.ratings(HSK) if one.model == "HSK7451-50" and one.name == compare.AT]
+    points = [compare.Found(one, scene, filled) for one in ratings]
+    at = {one.frequency: one.volumetric_efficiency for one in ratings}
+    row = compare.weakened("", points)
+    assert row.ours == 0.0
+    assert row.theirs == pytest.approx(100.0 * (at[75.0] * (4500.0 - 75.0) / (4500.0 - 112.5) - at[50.0]), rel=1e-12)
+
+
+def test_friction_by_films_has_the_clearances_of_the_machine_and_of_a_maker(compare_of):
+    compare = compare_of("hsk")
+    for as_tips in (False, True):
+        scene = compare.choices.by_films(compare.new, "192", as_tips)
+        tip, gap = (value_at(scene, path) for path in ("effects.oil_drag.tip_gap", "effects.tip_leakage.gap"))
+        end, leak = (value_at(scene, path) for path in ("effects.oil_drag.end_gap", "effects.end_face_leakage.gap"))
+        assert (tip, end) == pytest.approx((gap, leak), rel=1e-5)
+        assert end / tip == pytest.approx(1.0 if as_tips else 50.0 / 26.0, rel=1e-5)  # 129 mm: in proportion to 160
+        assert "mechanical" not in scene.effects
 
 
 def test_a_leak_of_one_flow_costs_each_size_the_same_flow_of_suction_gas(compare_of):

@@ -69,7 +69,7 @@ class DeviceTurns:
             self._make_room(call)
             results = call.run(self.device, self._turns, self._room)
             answers = [self._answer(each, call, i, results[i]) for i, each in enumerate(asked)]
-            most = max(int(each.machinery.kept[0]) for each in asked)
+            most = max(int(each.machinery.lives.kept[0]) for each in asked)
             if most > self.steps:
                 self.steps = min(MOST_STEPS, 2 * most)
             return answers
@@ -77,7 +77,7 @@ class DeviceTurns:
     def _answer(self, each: TurnRequest, call: _Call, i: int, result: Array) -> Answer:
         """Return the result of a turn, integrating it here if the device had too little room."""
         status = int(result[:1].view(np.int64)[0])
-        if status == TOO_MANY_STEPS and self.steps < each.machinery.max_steps:
+        if status == TOO_MANY_STEPS and self.steps < each.machinery.lives.max_steps:
             return each.machinery.own_turn(each.y, each.rtol, each.h)
         return status, float(result[1]), call.put(each, i)
 
@@ -117,13 +117,13 @@ class _Call:
         lengths = [len(first[name]) for name in OWN]
         self.columns: dict[str, int] = dict(zip(OWN, accumulate(lengths, initial=0), strict=False))
         self.own_size = sum(lengths)
-        self.old = [each.machinery.last() for each in asked]
+        self.old = [each.machinery.lives.last() for each in asked]
         self.most_old = max(1, *(steps for *_, steps in self.old))
         tables = {id(each.machinery.composition.TAB): each.machinery.composition.TAB for each in asked}
         self.tables = list(tables.values())
         self.which = [list(tables).index(id(each.machinery.composition.TAB)) for each in asked]
         self.breakpoints = [each.machinery.composition.breakpoints for each in asked]
-        _, dense, quads = like.histories[1]
+        _, dense, quads = like.lives.histories[1]
         self.shapes: dict[str, tuple[int, ...]] = {  # of one row of each block
             "own": (self.own_size,),
             "breakpoints": (max(map(len, self.breakpoints)),),
@@ -224,8 +224,8 @@ class _Call:
         """Store a point's numbers and history in its machinery; return its quadratures."""
         for name, column in self.own.items():
             self.arrays[i][name][:] = column[i]
-        steps = int(each.machinery.kept[0])
-        times, dense, quads = each.machinery.histories[1]
+        steps = int(each.machinery.lives.kept[0])
+        times, dense, quads = each.machinery.lives.histories[1]
         times[: steps + 1] = self.new["t_new"][i, : steps + 1]
         dense[:steps], quads[:steps] = self.new["d_new"][i, :steps], self.new["quads"][i, :steps]
         return self.arrays[i]["q"]

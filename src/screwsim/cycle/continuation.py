@@ -106,8 +106,8 @@ class Course:
         reach_station()
         for weights, values in self._degrees.tell(ways, known):
             used = cycles[-len(weights) :]
-            machinery.blend([cycle.history for cycle in used], weights)
-            signed, ends = machinery.composition.signed, machinery.last()[1][: machinery.last()[3], 1]
+            machinery.lives.blend([cycle.history for cycle in used], weights)
+            signed, ends = machinery.composition.signed, machinery.lives.last()[1][: machinery.lives.last()[3], 1]
             if _are_physical(values[: machinery.n], signed) and _are_physical(ends[:, : machinery.n].T, signed):
                 break
         else:

@@ -19,6 +19,7 @@ from screwsim.cycle.problem import Problem
 from screwsim.effects.base import LineFlow, Made, OilSolution, SuctionHeat, Turn
 from screwsim.effects.parts.gap import ClearanceParameters
 from screwsim.inputs.faults import UsageError, checked_own_number
+from screwsim.model.all_chambers import install_pitch, moved_on
 from screwsim.model.run import Machinery
 from screwsim.model.slots import (
     DENSITY,
@@ -105,9 +106,9 @@ def next_pitch(
     status, _, q = machinery.pitch(y, rtol, check=check)
     if status != 0:
         return None
-    machinery.install_coupled()
+    install_pitch(machinery)
     unknowns_out = image(problem, machinery.trajectory, q)
-    return machinery.shift(y), unknowns_out, q
+    return moved_on(machinery, y), unknowns_out, q
 
 
 def _suction_heat(problem: Problem, life: Trajectory, q: Array, turn: Turn | None) -> float:

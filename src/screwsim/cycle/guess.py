@@ -33,7 +33,7 @@ def install_first_guess(problem: Problem, machinery: Machinery, oil: float = 1.0
     y = first_guess(parts, machinery, port_state[PRESSURE], suction.temperature(port_state, lines.T_s), lines.p_d)
     if c.carried and oil != 1.0:
         # of the state, and along the last history
-        times, dense, quads, steps = machinery.last()
+        times, dense, quads, steps = machinery.lives.last()
         states = dense[:steps, :, : machinery.n].copy()
         states[:, :, S_X_OIL] *= oil
         y[S_X_OIL] *= oil

@@ -176,7 +176,7 @@ class Corrections:
 
         def residual(tangents: Tangents) -> Residual:
             angles, N = angles_of(tangents.middles, c), c.chambers * machinery.n
-            new, old = (logarithms(machinery.states_at(angles, of), c) for of in (None, before))
+            new, old = (logarithms(machinery.lives.states_at(angles, of), c) for of in (None, before))
             ahead = (new - old).reshape(c.chambers, -1, machinery.n).transpose(1, 0, 2).reshape(-1, N)
             return Residual(ahead, np.concatenate([start, np.zeros(N - len(start))]), q, unknowns_in, unknowns_out)
 
@@ -256,7 +256,7 @@ def corrected_start(problem: Problem, by: Correction, end: Array, y: Array, unkn
 def _move_history(machinery: Machinery, by: Correction) -> None:
     """Apply a correction to the last history, interpolated linearly between the edges of the slices."""
     c, n = machinery.composition, machinery.n
-    times, dense, quads, steps = machinery.last()
+    times, dense, quads, steps = machinery.lives.last()
     t, states = times[: steps + 1].copy(), dense[:steps, :, :n].copy()
     changes = by.along.reshape(-1, c.chambers, n).transpose(1, 0, 2).reshape(-1, n)
     inside = by.edges.copy()

@@ -111,13 +111,13 @@ class _Turns:
     def integrate(self) -> float | None:
         """Integrate a turn and measure its changes; return the angle [rad] where it stopped, None if it completed."""
         problem, machinery = self.problem, self.machinery
-        self.point, self.steps_before = self.vector(self.unknowns_in), int(machinery.kept[1])
+        self.point, self.steps_before = self.vector(self.unknowns_in), int(machinery.lives.kept[1])
         self.corrected, self.corrected_before = False, self.corrected
         self.number += 1
         status, angle, self.q = machinery.turn(self.y, self.steps.begin())
         if status != 0:
             return angle
-        machinery.swap()
+        machinery.lives.swap()
         reach_station()
         self.unknowns_out = image_of(problem, machinery.trajectory, self.q)
         self.image = self.vector(self.unknowns_out)
@@ -312,7 +312,7 @@ def along(machinery: Machinery, y: Array) -> Array:
     """Return the logarithms of the states y at 0° and of those along the last history."""
     c = machinery.composition
     angles = _angles(float(c.P[P_LIFE]), c.chambers)
-    return logarithms(machinery.states_along(y[: machinery.n], angles), c)
+    return logarithms(machinery.lives.states_along(y[: machinery.n], angles), c)
 
 
 @lru_cache(maxsize=8)

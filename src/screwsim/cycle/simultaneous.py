@@ -14,6 +14,7 @@ from screwsim.cycle.mixing import FULL_RULE, Mixing, MixingRule, StepRefinement
 from screwsim.cycle.newton import Corrections
 from screwsim.cycle.problem import ClosingTask
 from screwsim.cycle.solution import CLOSED_SHARE, CycleSolution
+from screwsim.model.all_chambers import install_pitch, moved_on
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, Q_WORK, R_TRAPPED
 from screwsim.numerics.rodas import EVALUATED, dense_value
@@ -91,9 +92,9 @@ class _Pitches:
             return angle
         self.seen.append((float(machinery.R[R_TRAPPED]), float(self.q[Q_WORK])))
         if c.pulsating:  # the image reads the flows of the pitch
-            machinery.install_coupled()
+            install_pitch(machinery)
         self.unknowns_out = image_of(problem, machinery.trajectory, self.q)
-        self.next_states = machinery.shift(end)
+        self.next_states = moved_on(machinery, end)
         self.image = np.concatenate([logarithms(self.next_states, c), entries.coordinates(self.unknowns_out)])
         self.gap = float(np.max(np.abs(self.image - self.point)))
         self.gaps.append(self.gap)
@@ -139,7 +140,7 @@ class _Pitches:
         """Move the image by Newton's correction, if there is one."""
         begun, n = self.corrections.begun, len(self.y)
         if not begun:
-            self.machinery.install_coupled()
+            install_pitch(self.machinery)
             self.astray = self.astray or (self.y.copy(), self.unknowns_in)
         found = self.corrections.of_pitch(self.image[:n] - self.point[:n], self.q, self.unknowns_in, self.unknowns_out)
         if found is not None:
@@ -152,7 +153,7 @@ class _Pitches:
         """Return the outcome; its states are those that the last pitch started with, or where it stopped."""
         machinery, moved = self.machinery, 0.0 if status == FAILED else self.gap
         if status != FAILED:
-            machinery.install_coupled()
+            install_pitch(machinery)
         life, turns, impacts = machinery.trajectory.copy(), self.number / self.c.chambers, machinery.impacts
         lasting = self.corrections.lasting() if status == OK else None
         how = TOGETHER, self.rtol, angle, moved
@@ -178,7 +179,7 @@ def _is_stationary(gaps: list[float], tolerance: float) -> bool:
 def chambers_at_pitches(machinery: Machinery) -> Array:
     """Return the states of all chambers at the start of a pitch, read from the last history."""
     c = machinery.composition
-    times, dense, _, steps = machinery.last()
+    times, dense, _, steps = machinery.lives.last()
     states = []
     for j in range(c.chambers):
         i = int(np.searchsorted(times[: steps + 1], j * c.P[P_PITCH] + 1e-9, side="right")) - 1

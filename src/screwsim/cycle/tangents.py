@@ -22,6 +22,7 @@ from screwsim.cycle.feedback import image as image_of
 from screwsim.cycle.linear_pitch import Tangents, shifted
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.model import compiled
+from screwsim.model.all_chambers import inject
 from screwsim.model.composition import Composition
 from screwsim.model.run import Machinery
 from screwsim.model.slices import INSIDE
@@ -44,7 +45,7 @@ LINE_SHIFT = 1e-7  # ... and where lines pulsate: a chamber open to one is withi
 
 def edges_of(machinery: Machinery, slices: int = SLICES) -> Array:
     """Return the edges [rad] of the slices of a pitch, as dense as all chambers' steps in the last history."""
-    c, (times, _, _, steps) = machinery.composition, machinery.last()
+    c, (times, _, _, steps) = machinery.composition, machinery.lives.last()
     pitch = float(c.P[P_PITCH])
     ends = np.sort(np.mod(times[1:steps], pitch))
     ends = np.concatenate([[0.0], ends[(ends > LEAST * pitch) & (ends < (1.0 - LEAST) * pitch)], [pitch]])
@@ -64,7 +65,7 @@ def linearised(problem: Problem, machinery: Machinery, unknowns_in: Array, count
     edges = edges_of(machinery, count)
     middles, h = 0.5 * (edges[:-1] + edges[1:]), np.diff(edges)[:, None, None]
     N = n * c.chambers
-    y = machinery.states_at(angles_of(middles, c)).reshape(c.chambers, count, n).transpose(1, 0, 2)
+    y = machinery.lives.states_at(angles_of(middles, c)).reshape(c.chambers, count, n).transpose(1, 0, 2)
     slices = middles, h[:, 0, 0], y.reshape(count, N), _changes(machinery, edges)
     A, F, sums, sums_by_unknowns = _slopes(problem, machinery, unknowns_in, *slices)
     z, one = h * A, np.eye(N)
@@ -84,7 +85,7 @@ def _changes(machinery: Machinery, edges: Array) -> Array:
     """Return the change of all chambers' coordinates over each slice (slices, N) along the last history."""
     c, n, count = machinery.composition, machinery.n, len(edges) - 1
     ends = np.concatenate([edges[:-1] + INSIDE, edges[1:] - INSIDE])
-    at = logarithms(machinery.states_at(angles_of(ends, c)), c).reshape(c.chambers, 2, count, n)
+    at = logarithms(machinery.lives.states_at(angles_of(ends, c)), c).reshape(c.chambers, 2, count, n)
     return (at[:, 1] - at[:, 0]).transpose(1, 0, 2).reshape(count, -1)
 
 
@@ -139,13 +140,13 @@ def _injected(machinery: Machinery) -> Array:
     if not 0 < index < c.chambers:
         return found
     at, R = slice(index * n, index * n + n), machinery.R.copy()
-    before = machinery.states_at(np.array([index * float(c.P[P_PITCH]) - INSIDE]))[0]
+    before = machinery.lives.states_at(np.array([index * float(c.P[P_PITCH]) - INSIDE]))[0]
     y, signed = np.ones(c.chambers * n), list(c.signed)
 
     def after(coordinates: Array) -> Array:
         y[at] = np.exp(coordinates)
         y[at][signed] = coordinates[signed]
-        machinery.inject(y)
+        inject(machinery, y)
         machinery.R[:] = R
         return logarithms(y[at].copy(), c)
 

@@ -31,11 +31,11 @@ class TurnMixing:
         progress: blending histories of different steps leaves a mass residual. Mixtures too far from the image are
         refused.
         """
-        self.histories = [*self.histories, self.machinery.image()][-DEPTH - 1 :]
+        self.histories = [*self.histories, self.machinery.lives.image()][-DEPTH - 1 :]
         self.seen = [*self.seen, seen][-DEPTH - 1 :]
         weights, mixed = self.accelerate.mix(point, image)
         if not wanted or len(weights) == 1 or not np.max(np.abs(mixed - image)) < TOO_FAR:
             return image, None
-        self.machinery.blend(self.histories[-len(weights) :], weights)
+        self.machinery.lives.blend(self.histories[-len(weights) :], weights)
         mass, work = (weights @ np.array(self.seen[-len(weights) :])).tolist()
         return mixed, (mass, work)

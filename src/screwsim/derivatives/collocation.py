@@ -106,7 +106,7 @@ def fine_turn(machinery: Machinery, life: Trajectory) -> Trajectory:
         status, *_ = machinery.turn(y, FINE_TURN, float(life.times[1] - life.times[0]))
         if status:
             raise NotClosed("a finely integrated turn fails")
-        machinery.swap()
+        machinery.lives.swap()
     return machinery.trajectory.copy()
 
 

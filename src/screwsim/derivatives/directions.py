@@ -20,6 +20,7 @@ from screwsim.derivatives.linear_cycle import LinearisedCycle, linearised
 from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.inputs.faults import UsageError
 from screwsim.model import speed
+from screwsim.model.all_chambers import pitch_breakpoints
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH, R_RATIO, R_SIZE
 from screwsim.numerics.identity_cache import once
@@ -67,7 +68,7 @@ class Directions:
         self.cycle, machinery = cycle, cycle.pitch.machinery
         self.spare = Machinery(machinery.composition, machinery.module, ROOM)
         base = cycle.pitch.problem.composition
-        self.breakpoints = machinery.pitch_breakpoints()
+        self.breakpoints = pitch_breakpoints(machinery)
         self._linear: LinearisedCycle | None = None
         self.life = cycle.pitch.life(cycle.start, cycle.nodes, cycle.pitch.after(cycle.nodes))
         c = machinery.composition
@@ -138,7 +139,7 @@ class Directions:
         stay = problem.composition.breakpoints is self.cycle.pitch.problem.composition.breakpoints
         if stay and not numbers.P[P_PITCH]:
             return ArgumentChange(numbers)
-        there = self.spare.pitch_breakpoints()  # it holds this problem's numbers (`numbers`)
+        there = pitch_breakpoints(self.spare)  # it holds this problem's numbers (`numbers`)
         if len(there) == len(self.breakpoints):
             rates = (there - self.breakpoints) / by
             edges = self.cycle.pitch.mesh.edges  # move as breakpoints do, interpolated between these

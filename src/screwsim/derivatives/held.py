@@ -89,7 +89,7 @@ def _phases(machinery: Machinery, parts: Parts, mesh: Mesh) -> Array:
     found = np.full((mesh.count, c.chambers), FREE)
     if has_phases(parts):
         starts = float(c.P[P_PITCH]) * np.arange(c.chambers)[:, None]
-        states = machinery.states_at((starts + mesh.middles).ravel())
+        states = machinery.lives.states_at((starts + mesh.middles).ravel())
         found[:] = machinery.trajectory.phases(states).reshape(c.chambers, -1).T
     return found
 

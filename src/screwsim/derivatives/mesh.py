@@ -16,6 +16,7 @@ import numpy as np
 
 from screwsim.derivatives.radau import NODES, SHARES
 from screwsim.effects.base import FlowPath
+from screwsim.model.all_chambers import pitch_breakpoints
 from screwsim.model.parts import Parts
 from screwsim.model.run import Machinery
 from screwsim.model.slots import P_PITCH
@@ -94,7 +95,7 @@ def fixed_edges(machinery: Machinery, parts: Parts) -> Array:
     A number that moves such a corner has a derivative with a corner itself, which within a slice would lower the
     order.
     """
-    found, pitch = machinery.pitch_breakpoints(), float(machinery.composition.P[P_PITCH])
+    found, pitch = pitch_breakpoints(machinery), float(machinery.composition.P[P_PITCH])
     for at in sorted(at % pitch for _, path in parts.all(FlowPath) for at in path.corners):
         if np.abs(found - at).min() > CORNER:
             found = np.sort(np.append(found, at))
@@ -106,7 +107,7 @@ def edges_of(machinery: Machinery, seams: Array, steps: float, longest: float) -
 
     None is longer than `longest` [rad].
     """
-    c, (times, _, _, count) = machinery.composition, machinery.last()
+    c, (times, _, _, count) = machinery.composition, machinery.lives.last()
     ends = np.sort(np.mod(times[1:count], float(c.P[P_PITCH])))
     ends = ends[np.diff(ends, prepend=-1.0) > LEAST_GAP]  # chambers integrated together share their steps
     edges = [np.zeros(1)]

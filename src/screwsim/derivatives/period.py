@@ -12,6 +12,7 @@ from screwsim.cycle.linear_pitch import shifted
 from screwsim.derivatives.events import Course
 from screwsim.derivatives.mesh import Mesh
 from screwsim.derivatives.rate_numbers import SMALL, RateNumbers
+from screwsim.model.all_chambers import inject, moved_on
 from screwsim.model.impacts import MOVES
 from screwsim.model.numbers import oil_places
 from screwsim.model.parts import Parts
@@ -38,12 +39,12 @@ class Period:
     def start(self, Y: Array) -> Array:
         """Return the states at the pitch's start that follow from those at the nodes; set the run-time cells."""
         y = self.before_injection(Y)
-        self.machinery.inject(y)
+        inject(self.machinery, y)
         return y
 
     def before_injection(self, Y: Array) -> Array:
         """Return the states before the injection, from those at the nodes."""
-        return self.machinery.shift(np.ascontiguousarray(Y[-1, -1]))
+        return moved_on(self.machinery, np.ascontiguousarray(Y[-1, -1]))
 
     def change_before_injection(self, changes: Array) -> Array:
         """Return the changes of the states before the injection, from those at the nodes (slices, NODES, N, k)."""

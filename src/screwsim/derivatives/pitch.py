@@ -79,10 +79,10 @@ class CollocatedPitch:
         c, angles = self.machinery.composition, self.mesh.angles
         if self.alone:
             angles[:, -1] -= 2.0 * NUDGE
-            return self.machinery.states_at(angles.ravel()).reshape(self.count, NODES, self.N)
+            return self.machinery.lives.states_at(angles.ravel()).reshape(self.count, NODES, self.N)
         pitch = float(c.P[P_PITCH])
         inside = np.minimum(angles.ravel(), pitch * (1.0 - INSIDE))
-        at = self.machinery.states_at((pitch * np.arange(c.chambers)[:, None] + inside).ravel())
+        at = self.machinery.lives.states_at((pitch * np.arange(c.chambers)[:, None] + inside).ravel())
         return at.reshape(c.chambers, -1, self.n).transpose(1, 0, 2).reshape(self.count, NODES, self.N)
 
     def after(self, Y: Array) -> Array:

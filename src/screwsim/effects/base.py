@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from screwsim.effects.parts.flow_kinds import GAS, NOZZLE, OIL, Bounds, FlowKind, Law, PathStream, Resistance
 from screwsim.effects.parts.flows import (
     DISCHARGE,
     LINES,
@@ -20,7 +21,6 @@ from screwsim.effects.parts.flows import (
     ChamberState,
     FlowPath,
     HeatRate,
-    Resistance,
     Scaled,
     Stops,
     Wall,
@@ -45,11 +45,12 @@ from screwsim.machine.protocol import MachineKind
 from screwsim.outputs import Figure, Trace
 
 __all__ = [  # all that an effect's file imports
-    "DISCHARGE", "LINES", "NEIGHBOUR", "SUCTION", "Around", "ChamberState", "CoolsOil", "Drawn", "Effect",
-    "Faults", "FlowPath", "Given", "HeatRate", "InSeparator", "LineFlow", "LineLeak", "LosesPressure", "Made",
-    "OilContent", "OilGas", "OilPort", "OilRoom", "OilSolution", "OilThinning", "Part", "Plenum", "PowerLoss",
-    "PressureLosses", "Pulsation", "Reading", "Resistance", "Scaled", "Separator", "Shaft", "Site", "Sized", "Sought",
-    "Span", "Stops", "SuctionChange", "SuctionHeat", "SuctionLine", "Turn", "Usual", "Wall",
+    "DISCHARGE", "GAS", "LINES", "NEIGHBOUR", "NOZZLE", "OIL", "SUCTION", "Around", "Bounds", "ChamberState",
+    "CoolsOil", "Drawn", "Effect", "Faults", "FlowKind", "FlowPath", "Given", "HeatRate", "InSeparator", "Law",
+    "LineFlow", "LineLeak", "LosesPressure", "Made", "OilContent", "OilGas", "OilPort", "OilRoom", "OilSolution",
+    "OilThinning", "Part", "PathStream", "Plenum", "PowerLoss", "PressureLosses", "Pulsation", "Reading",
+    "Resistance", "Scaled", "Separator", "Shaft", "Site", "Sized", "Sought", "Span", "Stops", "SuctionChange",
+    "SuctionHeat", "SuctionLine", "Turn", "Usual", "Wall",
 ]  # fmt: skip
 
 Faults = Iterator[Fault]  # of an effect's `check`

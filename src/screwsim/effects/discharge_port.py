@@ -14,7 +14,7 @@ Parameters: flow_coefficient, chisholm_exponent.
 
 from dataclasses import dataclass, replace
 
-from screwsim.effects.base import DISCHARGE, Effect, Faults, FlowPath
+from screwsim.effects.base import DISCHARGE, Effect, Faults, FlowPath, Law
 from screwsim.effects.parts.gap import PortParameters, check_port, port_path
 from screwsim.effects.parts.oil import oil_in_chambers
 from screwsim.effects.parts.usual import WAY_OUT
@@ -44,7 +44,8 @@ def build(parameters: Parameters, machine) -> list[FlowPath]:
     if exponent is None:
         return [path]
     values = {**path.values, "chisholm_exponent": exponent}
-    return [replace(path, values=values, law=wet_flux, law_title=f"with its oil, Chisholm's n = {exponent:g} (M430)")]
+    flow = Law(wet_flux, title=f"with its oil, Chisholm's n = {exponent:g} (M430)")
+    return [replace(path, values=values, flow=flow)]
 
 
 def check(parameters: Parameters, facts) -> Faults:

@@ -12,6 +12,7 @@ Parameters: none.
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, OilRoom
+from screwsim.effects.parts.usual import OIL_ROOM
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import OIL
 
@@ -41,4 +42,5 @@ EFFECT = Effect(
     states=("T_oil", "x_oil"),
     check=check,
     needs=frozenset({OIL}),
+    roles={OIL_ROOM: ""},
 )

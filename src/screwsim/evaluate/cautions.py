@@ -10,7 +10,7 @@ from screwsim.cycle.balances import heat_flowing_back
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
 from screwsim.effects.base import SUCTION, CoolsOil, FlowPath, PowerLoss, Wall
-from screwsim.effects.parts.usual import SUCTION_BACK
+from screwsim.effects.parts.usual import OIL_ROOM, SUCTION_BACK
 from screwsim.evaluate import humidity, late_valves, plausible
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.evaluate.separator import Circuit
@@ -194,7 +194,7 @@ def _oil_fills_chamber(of: Evaluation) -> Iterator[str]:
             f"the oil would fill {share:.0%} of the chamber when the {when}; oil takes up no volume in this scene's "
             "model"
         )
-        yield f"{what} (name effects.oil_volume, use less oil, or treat the result as a limit)"
+        yield f"{what} (name {' or '.join(having(OIL_ROOM))}, use less oil, or treat the result as a limit)"
 
 
 def _unfitted_bore(of: Evaluation) -> Iterator[str]:

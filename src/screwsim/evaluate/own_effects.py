@@ -211,7 +211,7 @@ def _rates(parts: Parts, life: Trajectory) -> Iterator[KernelCheck]:
 
 
 def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[ChamberPoint], float]) -> Iterator[KernelCheck]:
-    """Yield the kernels of the shares of valves and gaps, and of the oil films of gaps."""
+    """Yield the kernels of the shares of valves, and those of kinds of flow that have bounds."""
     module, R, P = life.module, life.R, life.composition.P
 
     def opening(i: int, point: ChamberPoint) -> float:
@@ -219,25 +219,22 @@ def _shares(parts: Parts, life: Trajectory, oil_of: Callable[[ChamberPoint], flo
         drop = float(R[number * PORT_STATE + PRESSURE]) - point.p
         return float(module.path_opening(i, drop, float(P[P_PORT_WIDTH + number]), LOOSE, point.y, 0, P))
 
-    def share(i: int, point: ChamberPoint) -> float:
-        """Return the share that is farthest from 0.5, over several speeds."""
-        rho = float(point.y[S_RHO])
-        found = [float(module.gap_share(i, rho * speed, rho, oil_of(point), P)) for speed in SPEEDS]
-        return max(found, key=lambda value: abs(value - 0.5) if math.isfinite(value) else math.inf)
-
-    def film(i: int, point: ChamberPoint) -> float:
-        return float(module.gap_film(i, point.p, oil_of(point), P))
-
-    def drag(i: int, point: ChamberPoint) -> float:
-        return float(module.gap_drag(i, oil_of(point), P))
+    def farthest(path: FlowPath, role: str, i: int, point: ChamberPoint) -> float:
+        """Return the value of a kind of flow's kernel that is nearest to a bound, or beyond it, over several speeds."""
+        arguments, bounds, rho = path.flow.roles[role], path.flow.bounds[role], float(point.y[S_RHO])
+        known, call = {"density": rho, "oil_ratio": oil_of(point), "drop": point.p}, getattr(module, path.checked(role))
+        found = []
+        for speed in SPEEDS if "flux" in arguments else SPEEDS[:1]:
+            known["flux"] = rho * speed
+            found.append(float(call(i, *(known[name] for name in arguments), P)))
+        return max(found, key=lambda at: max(bounds.least - at, at - bounds.most) if math.isfinite(at) else math.inf)
 
     for i, (name, path) in enumerate(parts.ports):
         if path.opening is not None:
             yield KernelCheck(name, "opening", "", partial(opening, i), 0.0, 1.0)
-    for i, (name, path) in enumerate(parts.gaps):
-        if path.resistance is not None:
-            yield KernelCheck(name, "share of a gap", "", partial(share, i), 0.0, 1.0)
-            if path.resistance.film is not None:
-                yield KernelCheck(name, "film of oil", "kg/(m² s)", partial(film, i), 0.0)
-            if path.resistance.drag is not None:
-                yield KernelCheck(name, "dragged oil", "kg/(m² s)", partial(drag, i), 0.0)
+    for paths in (parts.ports, parts.gaps):
+        for i, (name, path) in enumerate(paths):
+            kernels = path.flow.kernels()
+            for role, (what, unit, least, most) in path.flow.bounds.items():
+                if role in kernels:
+                    yield KernelCheck(name, what, unit, partial(farthest, path, role, i), least, most)

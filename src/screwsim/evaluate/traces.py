@@ -75,12 +75,16 @@ def _flows(
         slow = np.array([slowness(phi, pitch, c.speed_curve, c.P) for phi in np.radians(degrees).tolist()])
         flows /= slow[:, None]
         films /= slow[:, None]
+    oily, column = iter(parts.films), 2 * len(c.gaps)
     for i, name in enumerate(c.ports):
         yield f"mass_flow_{name}", flows[:, i]
-    for i, (name, _) in enumerate(c.gaps):
+        if next(oily):
+            yield f"oil_flow_{name}", films[:, column]
+            column += 1
+    for i, ((name, _), oil) in enumerate(zip(c.gaps, oily, strict=True)):
         for side, word in enumerate(("leading", "trailing")):
             yield f"mass_flow_{name}_{word}", flows[:, c.flow_through(i, side)]
-            if parts.films[i]:
+            if oil:
                 yield f"oil_flow_{name}_{word}", films[:, 2 * i + side]
 
 

@@ -283,8 +283,7 @@ def _paths(parts: Parts) -> Iterator[str]:
             else:
                 pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"
                 ends = f"chamber - chamber {path.offset} {pitches} ahead"
-            resistance = "" if path.resistance is None else path.resistance.title
-            held = "".join(f", {title}" for title in (path.law_title, resistance) if title)
+            held = f", {path.flow.title}" if path.flow.title else ""
             held += ", opened by its valve" if path.opening is not None else ""
             yield row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}{held}")
     yield row("every path", "nozzle flow in both directions, choking included (M12, M13)")

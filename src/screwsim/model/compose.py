@@ -94,6 +94,7 @@ def structure_of(
         n_E_all=network.chambers * layout.size + held,
         chambers=network.chambers,
         carried=network.carried,
+        n_films=len(layout.oil_beside),
         n_widths=lines,
         n_R=lines * PORT_STATE if lines > FIRST_OWN or network.pulsating else R_SIZE,
         ported=network.ported,
@@ -116,7 +117,7 @@ def _network(parts: Parts) -> Network:
     if not carried and (ported or parts.oil_room):
         raise TypeError("oil that enters through ports or takes up volume needs oil, and oil.transport: carried")
     if not carried and any(parts.films):
-        raise TypeError("oil that leaks as a film needs a temperature of the oil, and oil.transport: carried")
+        raise TypeError("oil that passes beside the gas needs a temperature of the oil, and oil.transport: carried")
     own = [part for _, part in parts.all(ChamberState)]
     names, held = tuple(part.name for part in own), (HELD_GAS,) if parts.dissolves else ()
     states = ("T", "rho", *(("T_oil",) if heated else ()), *(("x_oil",) if carried else ()), *held, *names)
@@ -140,7 +141,7 @@ def _network(parts: Parts) -> Network:
 def _write(writer: ModelWriter, parts: Parts, law: Any) -> None:
     """Write the composition's own functions, and register the kernels it calls in the network."""
     network, geometry, oil, port = writer.network, parts.geometry, parts.oil, parts.oil_port
-    ports, between_chambers = [path for _, path in parts.ports], [path for _, path in parts.gaps]
+    ports, clearances = [path for _, path in parts.ports], scales(writer, parts, clearances=True)
     writing.write_gas(writer, parts.gas)
     writing.write_volume(writer, law)
     if parts.shaft is not None:
@@ -157,9 +158,8 @@ def _write(writer: ModelWriter, parts: Parts, law: Any) -> None:
     if parts.oil_gas is not None:
         assert oil is not None
         writing_oil.write_flash(writer, parts, oil, parts.oil_gas)
-    writing.write_laws(writer, ports, network.ports)
-    writing.write_laws(writer, between_chambers, network.gaps)
-    writing.write_resistances(writer, parts.gaps, scales(writer, parts, clearances=True))
+    writing.write_flows(writer, parts.ports, network.ports, clearances)
+    writing.write_flows(writer, parts.gaps, network.gaps, clearances)
     if network.own_states:
         writing.write_own_states(writer, [part for _, part in parts.all(ChamberState)], network.states)
     if any(path.opening is not None for path in ports):
@@ -177,7 +177,7 @@ def _constants(network: Network, cell: Cell, layout: Layout) -> dict[str, Any]:
     constants: dict[str, Any] = {
         "N": len(network.states),
         "N_FLOWS": len(layout.flows),
-        "N_FILMS": len(layout.sides),
+        "N_FILMS": len(layout.oil_beside),
         "CHAMBERS": network.chambers,
     }
     constants |= {name: getattr(ledger, name) for name in ledger.SUMS}
@@ -194,7 +194,7 @@ def _read_with(network: Network) -> tuple[Kernel, ...]:
         line_flow.into_lines: network.pulsating,
         line_flow.line_pulses: network.pulsating,
         trace.heats_along: bool(network.heats),
-        trace.oil_films: any(gap.film or gap.drag for gap in network.gaps),
+        trace.oil_films: network.oily,
         trace.port_oil: network.ported,
         trace.given_off_along: network.dissolves,
         trace.phases: network.phases,
@@ -208,8 +208,14 @@ def _refuse(network: Network, parts: Parts) -> None:
         raise TypeError(f"two states have one name: {', '.join(network.states)}")
     if taken := sorted(RESERVED & set(network.states)):
         raise TypeError(f"a state cannot be called {', '.join(taken)}: every chamber has a number of that name")
-    if any(path.resistance is not None for _, path in parts.ports):
-        raise TypeError("a resistance belongs to a gap between chambers; an opening to a line or plenum is a nozzle")
+    for name, path in parts.ports:
+        if path.flow.in_gaps_alone:
+            kind = type(path.flow).__name__
+            raise TypeError(
+                f"{name}: a {kind} belongs to a gap between chambers, not to an opening to a line or plenum"
+            )
+        if path.opening is not None and path.flow.with_oil():
+            raise TypeError(f"{name}: oil cannot pass beside the gas where the opening depends on the state")
     opened = bool(parts.all(Stops)) or any(path.opening is not None for _, path in parts.ports)
     if opened and network.chambers > 1:
         raise TypeError("an opening that depends on the state, or a seat and a stop, is for a machine of one chamber")

@@ -55,6 +55,7 @@ class Structure:
     width: int  # sums in each category
     n_sums: int
     n_port_state: int  # columns of a history beyond the states
+    n_films: int  # flows of oil beside the gas into a chamber: ahead and behind of each gap, then through ports
     n_widths: int  # of the regularisation, from P_PORT_WIDTH on
     n_R: int
     n_E: int

@@ -160,9 +160,9 @@ class Parts:
 
     @once
     def films(self) -> list[bool]:
-        """For each gap between chambers, whether oil leaks through it as a film."""
-        held = [path.resistance for _, path in self.gaps]
-        return [each is not None and (each.film or each.drag) is not None for each in held]
+        """For each opening to a line or plenum, then each gap between chambers: whether oil passes beside the gas."""
+        flows = [path.flow for _, path in (*self.ports, *self.gaps)]
+        return [flow is not base.NOZZLE and flow.with_oil() for flow in flows]
 
     @once
     def walls(self) -> list[tuple[str, base.Wall]]:

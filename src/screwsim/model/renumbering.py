@@ -6,13 +6,17 @@ that affect more than calls of kernels, must be the same.
 
 from collections import Counter
 from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from functools import cache
 from operator import attrgetter
 from typing import Any
 
 import numpy as np
 
 from screwsim.effects.base import (
+    NOZZLE,
     ChamberState,
+    FlowKind,
     FlowPath,
     HeatRate,
     LineLeak,
@@ -21,7 +25,6 @@ from screwsim.effects.base import (
     OilThinning,
     PowerLoss,
     Reading,
-    Resistance,
     Separator,
     Shaft,
     SuctionChange,
@@ -40,8 +43,7 @@ Array = np.ndarray
 BY_SPEED = ("omega", "tip_speed", SPAN)  # numbers of `operating` that follow from the mean speed
 # fields of a part that affect the text as a whole, besides the names of its numbers; for the others, `_structure_of`
 STRUCTURE: dict[type, tuple[str, ...]] = {
-    FlowPath: ("to", "area", "offset", "opening", "narrow", "one_way", "beside", "port", "law"),
-    Resistance: ("share", "film", "drag"),
+    FlowPath: ("to", "area", "offset", "opening", "narrow", "one_way", "beside", "port"),
     HeatRate: ("kernel", "oil_factor"),
     Wall: ("name", "conductance"),
     ChamberState: ("name", "rate", "positive"),
@@ -138,8 +140,8 @@ def _holders(parts: Parts, law: Any) -> Iterator[Any]:
         for part in items:
             if type(part) in STRUCTURE:
                 yield from (part, part.values)
-                if isinstance(part, FlowPath) and part.resistance is not None:
-                    yield part.resistance.values
+                if isinstance(part, FlowPath) and part.flow is not NOZZLE:
+                    yield part.flow.values
 
 
 def _structure(parts: Parts, law: Any) -> tuple[Any, ...]:
@@ -160,10 +162,21 @@ def _structure_of(part: Any) -> Any:
         return kind if kind in OUTSIDE_TEXT else part
     found = [kind, _STRUCTURE[kind](part), part.values.keys()]
     if kind is FlowPath:
-        found += [part.mirror is None, _arrays(part), part.resistance and _structure_of(part.resistance)]
+        found += [part.mirror is None, _arrays(part), part.flow is not NOZZLE and _structure_of_flow(part.flow)]
     if kind is Wall:
         found.append(part.temperature if isinstance(part.temperature, str) else type(part.temperature))
     return found
+
+
+def _structure_of_flow(kind: FlowKind) -> Any:
+    """Return what affects the text about a kind of flow: all its fields, but of its values only their names."""
+    return [type(kind), kind.values.keys(), *(getattr(kind, name) for name in _fields_of(type(kind)))]
+
+
+@cache
+def _fields_of(kind: type[FlowKind]) -> list[str]:
+    """Return the fields of a kind of flow that affect the text."""
+    return [each.name for each in fields(kind) if each.name not in ("values", "title")]
 
 
 def _arrays(part: Any) -> dict[str, list[int]]:

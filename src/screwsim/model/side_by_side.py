@@ -59,7 +59,7 @@ def arrays_of(each: TurnRequest) -> dict[str, Array]:
     """Return all arrays that a turn reads and writes, by name; its quadratures are new."""
     machinery = each.machinery
     more = {"y": each.y, "q": np.zeros(machinery.nq), "counts": machinery.counts}
-    more |= {"breakpoints": machinery.composition.breakpoints, "quads": machinery.histories[1][2]}
+    more |= {"breakpoints": machinery.composition.breakpoints, "quads": machinery.lives.histories[1][2]}
     return more | dict(zip(ChamberContext._fields, machinery.context, strict=True))
 
 

@@ -163,9 +163,12 @@ class Trajectory(NamedTuple):
         return out, flows
 
     def oil_films(self, angles: Array) -> Array:
-        """Return rows of the oil [kg/s] that enters through gaps as films, each ahead and behind, at angles [rad]."""
+        """Return rows of the oil [kg/s] that enters beside the gas at angles [rad].
+
+        Of each gap ahead and behind, then of each port with such oil.
+        """
         c = self.composition
-        out = np.empty((len(angles), 2 * len(c.gaps)))
+        out = np.empty((len(angles), c.n_films))
         with self.alone:
             self.module.trace__oil_films(angles, *self.rows, self.context, c.n_E, out)
         return out

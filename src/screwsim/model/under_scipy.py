@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from screwsim.model.all_chambers import inject, own_pitch, pitch_breakpoints
 from screwsim.model.impacts import LEAVES, MOVES, SEATED, STOPPED
+from screwsim.model.lives import new_history
 from screwsim.model.port_states import SHARP
 from screwsim.model.slots import FREE, P_INJECTION, Q_WALLS
 from screwsim.numerics.integrators import Check
@@ -116,10 +118,9 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls, path.jacobians])
-    machinery.histories[1] = machinery.new_history(max(steps, machinery.max_steps), machinery.columns, machinery.nq)
-    times, dense, quads = machinery.histories[1]
+    times, dense, quads = machinery.lives.renewed(steps)
     times[: steps + 1], dense[:steps, :, : machinery.n] = path.times, path.dense
-    machinery.kept[0] = steps
+    machinery.lives.kept[0] = steps
     at = int(np.searchsorted(times[: steps + 1], c.P[P_INJECTION] - 1e-9))
     if at < steps:  # nothing jumps there: it stores the trapped mass
         module.chamber__inject(dense[at, 0, : machinery.n].copy(), 0, c.P, c.TAB, machinery.R)
@@ -130,18 +131,18 @@ def life(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) ->
 
 def pitch(machinery: Machinery, check: Check, y: Array, rtol: float, h: float) -> tuple[int, float, Array]:
     """Do what `Machinery.pitch` does, by a check's method; a loose one of our own scales the quadratures."""
-    *_, q_scale = machinery.own_pitch(y.copy(), 1e-3, h)
+    *_, q_scale = own_pitch(machinery, y.copy(), 1e-3, h)
     coupled, c, module = machinery.coupled, machinery.composition, machinery.together
-    machinery.inject(y)
+    inject(machinery, y)
     kernels = module.chambers__surroundings, module.chambers__rates, module.chambers__jacobian
     held, context = coupled.port_states[-c.chambers :], machinery.coupled_context
     slopes = _slopes(machinery, kernels, context, (held,), len(y), c.n_E_all, machinery.nq + 1)
-    end, q, path = integrate(*slopes, machinery.pitch_breakpoints(), y, _scales(machinery, q_scale), rtol, check)
+    end, q, path = integrate(*slopes, pitch_breakpoints(machinery), y, _scales(machinery, q_scale), rtol, check)
     y[:] = end
     steps = len(path.dense)
     machinery.counts += np.array([steps, 0, path.calls * c.chambers, path.jacobians * c.chambers])
     if steps > len(coupled.history[1]):
-        coupled.history = machinery.new_history(steps, len(y), machinery.nq + 1)
+        coupled.history = new_history(steps, len(y), machinery.nq + 1)
     coupled.history[0][: steps + 1], coupled.history[1][:steps] = path.times, path.dense
     coupled.kept[0] = steps
     return int(path.message != ""), path.times[-1], q

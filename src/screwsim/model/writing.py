@@ -4,18 +4,32 @@ Numbers go into P and TAB; whatever affects the terms goes into the text. Where 
 quantities per time are multiplied by `Network.slow`.
 """
 
+import ast
 import math
 from collections import ChainMap
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from types import MappingProxyType
 from typing import Any
 
-from screwsim.effects.base import ChamberState, FlowPath, HeatRate, Scaled, Stops, Wall
+from screwsim.effects.base import (
+    GAS,
+    OIL,
+    ChamberState,
+    FlowKind,
+    FlowPath,
+    HeatRate,
+    PathStream,
+    Scaled,
+    Stops,
+    Wall,
+)
 from screwsim.model import pulsation
+from screwsim.model.network.cell import taken
+from screwsim.model.network.flows import NUMBERS, Around, PortState
 from screwsim.model.network.layout import Layout
-from screwsim.model.network.network import PRESSURES, Heat, Law, Network, Stop, WallHeat, identifier, line_pressures
+from screwsim.model.network.network import PRESSURES, Heat, Network, Stop, WallHeat, identifier, line_pressures
 from screwsim.model.numbers import Numbers
 from screwsim.model.parts import Parts
 from screwsim.model.speed import flat_curve, slowness
@@ -28,6 +42,8 @@ PUSH_SYMBOLS = ("p", *PRESSURES)
 GAS_SYMBOLS = "T, rho, y, R, P, TAB"  # arguments of a push on what moves, by the state of the gas
 HEAT_SYMBOLS = ("T", "m", "p", "rho", "V", "phi", "T_oil", "m_oil", "d")
 WALL_SYMBOLS = HEAT_SYMBOLS[:6]
+ANY = PortState(*["1.0"] * len(NUMBERS))
+SOMEWHERE = Around(ANY, ANY, "1.0", ANY)  # in which the text of a stream is tried
 NO_FACTORS: Mapping[str, Sequence[str]] = MappingProxyType({})
 
 
@@ -215,40 +231,65 @@ def write_speed(writer: ModelWriter, pitch: float) -> None:
     writer.network.slow = f"{slowness.flat_name}(phi, P[P_PITCH], {curve}, P)"
 
 
-LAW_SYMBOLS = tuple(f"{name}_{side}" for name in ("p", "rho", "h", "exponent", "oil_ratio") for side in "12")
-
-
-def write_laws(writer: ModelWriter, paths: Sequence[FlowPath], openings: list[Any]) -> None:
-    """Write paths' own flow laws into the ports or gaps of the network."""
-    layout = Layout(writer.network)
-    for index, path in enumerate(paths):
-        if path.law is not None:
-            label = layout.label(openings[index])
-            call = writer.call(path.law, path.values, path.tables, (*LAW_SYMBOLS, "width"), of=label)
-            asks = tuple(name for name in path.law.arguments if name in (*LAW_SYMBOLS, "width"))
-            openings[index] = replace(openings[index], law=Law(call, asks))
-
-
-def write_resistances(
-    writer: ModelWriter, gaps: Sequence[tuple[str, FlowPath]], clearances: Mapping[str, Sequence[str]]
+def write_flows(
+    writer: ModelWriter, paths: Sequence[tuple[str, FlowPath]], openings: list[Any], scaled: Mapping[str, Sequence[str]]
 ) -> None:
-    """Write the resistances of gaps, and the oil that passes as a film or dragged by a wall (M190, M252, M256)."""
-    layout = Layout(writer.network)
-    for index, (effect, path) in enumerate(gaps):
-        if path.resistance is not None:
-            held = path.resistance
-            maps: tuple[Any, ...] = held.values, path.values
-            values = ChainMap(*maps)
-            warm = {"gap": clearances.get(effect, ())}
-            call = partial(writer.call, of=layout.label(writer.network.gaps[index]))
-            share = call(held.share, values, {}, ("flux", "density", "oil_ratio"), factors=warm)
-            film = "" if held.film is None else call(held.film, values, {}, ("drop", "oil_ratio"), factors=warm)
-            drag = "" if held.drag is None else call(held.drag, values, {}, ("oil_ratio",))
-            writer.network.gaps[index] = replace(writer.network.gaps[index], share=share, film=film, drag=drag)
-    if any(gap.share for gap in writer.network.gaps):
-        writer.asked("gap_share", ("flux", "density", "oil_ratio"), [gap.share for gap in writer.network.gaps])
-        writer.asked("gap_film", ("drop", "oil_ratio"), [gap.film for gap in writer.network.gaps])
-        writer.asked("gap_drag", ("oil_ratio",), [gap.drag for gap in writer.network.gaps])
+    """Write the streams through paths into the ports or gaps of the network, as their kinds of flow state them.
+
+    `scaled` has each effect's factors on the `gap` that its kernels take (M190). Kernels with bounds can also be called
+    from Python, by number (`evaluate.own_effects`).
+    """
+    layout, found = Layout(writer.network), []
+    for opening, (effect, path) in zip(openings, paths, strict=True):
+        kind, factors = path.flow, {"gap": scaled.get(effect, ())}
+        maps: tuple[Any, ...] = kind.values, path.values
+        call = partial(writer.call, factors=factors, of=layout.label(opening))
+        values, roles = ChainMap(*maps), kind.roles
+        found.append({role: call(each, values, path.tables, roles[role]) for role, each in kind.kernels().items()})
+    openings[:] = [
+        replace(opening, streams=_streams(effect, path.flow, calls, writer.network))
+        for opening, (effect, path), calls in zip(openings, paths, found, strict=True)
+    ]
+    checked = {role: path.flow.roles[role] for _, path in paths for role in path.flow.bounds}
+    for role, arguments in checked.items():
+        writer.asked(paths[0][1].checked(role), arguments, [calls.get(role, "") for calls in found])
+
+
+def _streams(effect: str, kind: FlowKind, calls: Mapping[str, str], network: Network) -> tuple[PathStream, ...]:
+    """Return the streams of a kind of flow; raise TypeError where they are not what the network can take."""
+    found = tuple(each._replace(before=tuple(each.before)) for each in kind.streams(calls))
+    beside = [each.driven for each in found[1:]]
+    name = f"{effect}: {type(kind).__name__}"
+    if not found or found[0].of != GAS or found[0].driven or any(each.of != OIL for each in found[1:]):
+        raise TypeError(f"{name}: its streams are one of gas, first, and any of oil")
+    if len(beside) > len(set(beside)):
+        raise TypeError(f"{name}: one stream of oil may be driven by pressures, and one by a wall")
+    try:
+        names = names_set(found)
+    except (LookupError, AttributeError, ValueError, SyntaxError) as error:
+        raise TypeError(f"{name}: its text cannot be read ({error})") from None
+    if twice := sorted(names and names & taken(network)):
+        raise TypeError(f"{name}: its text may not set {', '.join(twice)}, which the text of every chamber has")
+    return found
+
+
+@lru_cache(maxsize=256)
+def names_set(streams: tuple[PathStream, ...]) -> frozenset[str]:
+    """Return the names that the text of streams sets; raise an error where it cannot be read.
+
+    The text of each stands by itself: it is read without those of the others (`Chamber.film_flows`).
+    """
+    found: set[str] = set()
+    for stream in streams:
+        nodes = list(ast.walk(ast.parse("\n".join([*SOMEWHERE.lines(stream), SOMEWHERE.flux(stream)]))))
+        names = [each for each in nodes if isinstance(each, ast.Name)]
+        own = {each.id for each in names if isinstance(each.ctx, ast.Store)}
+        called = {each.func.id for each in nodes if isinstance(each, ast.Call) and isinstance(each.func, ast.Name)}
+        unknown = {each.id for each in names if not each.id.startswith("P_")} - own - called - {"P", "TAB", "math"}
+        if unknown:
+            raise ValueError(f"it does not set {', '.join(sorted(unknown))}")
+        found |= own
+    return frozenset(found)
 
 
 def named_states(body: list[str], states: Sequence[str], asked: set[str]) -> list[str]:

@@ -6,8 +6,16 @@ from typing import Any, Self
 from screwsim.inputs.suggestions import nearest
 from screwsim.outputs.core import PERFORMANCE
 from screwsim.outputs.declared import EFFICIENCY, Figure, Variable
-from screwsim.outputs.display import ShownFigure, Value, table_html, table_text
-from screwsim.outputs.variables import BALANCE, NUMERICS, NUMERICS_TEXT, ledger_variable
+from screwsim.outputs.display import ShownFigure, Value, library, table_html, table_text
+from screwsim.outputs.variables import (
+    BALANCE,
+    LEDGER,
+    LEDGER_ENTRY,
+    NUMERICS,
+    NUMERICS_TEXT,
+    ledger_variable,
+    sorted_entries,
+)
 
 
 class Figures(dict[str, Any]):
@@ -90,6 +98,18 @@ class Ledger(ListedFigures):
     def described(self, name: str) -> ShownFigure | None:
         """Return unit and meaning of a total or an entry."""
         return ShownFigure(name, None, *ledger_variable(name))
+
+    def to_pandas(self) -> Any:
+        """Return a pandas.DataFrame [SI] with a row an effect, that which destroys most exergy first.
+
+        Its `attrs` have the totals by name, and the `units` of the columns.
+        """
+        rows = dict(sorted_entries(self))
+        made = library("pandas").DataFrame.from_dict(rows, orient="index", columns=list(LEDGER_ENTRY), dtype=float)
+        made.index.name = "effect"
+        totals = {name: self[name] for name in LEDGER if name in self}
+        made.attrs.update(totals, units={name: about.units for name, about in LEDGER_ENTRY.items()})
+        return made
 
 
 def shown(figures: Mapping[str, Any]) -> list[ShownFigure]:

@@ -22,6 +22,7 @@ from screwsim.cycle.ways import way_of
 from screwsim.evaluate.evaluation import Evaluation, evaluate, evaluate_life
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.model import slots
+from screwsim.model.all_chambers import inject
 from screwsim.model.slices import INSIDE
 from screwsim.model.turn_scheduler import reach_station
 from screwsim.outputs import Figures
@@ -126,7 +127,7 @@ def _next_life(request: EstimateRequest) -> FinerSolutions:
     status, _, q = machinery.turn(cycle.y.copy(), FINER * cycle.rtol)
     if status != 0:
         return NO_SOLUTIONS
-    machinery.swap()
+    machinery.lives.swap()
     reach_station()
     return FinerSolutions([solution_of(evaluate_life(request.problem, machinery.trajectory, q))])
 
@@ -152,11 +153,11 @@ class _Lives:
         if self.solutions:
             self.unknowns_in = self.unknowns_out
             set_unknowns(problem, machinery, self.unknowns_in)
-        self.start, self.steps = along(machinery, self.y), int(machinery.kept[1])
+        self.start, self.steps = along(machinery, self.y), int(machinery.lives.kept[1])
         status, _, self.q = machinery.turn(self.y, self.rtol)
         if status != 0:
             return False
-        machinery.swap()
+        machinery.lives.swap()
         life = evaluate_life(problem, machinery.trajectory, self.q)
         self._append(solution_of(life))
         self.unknowns_out = problem.entries.possible(life.image)
@@ -209,8 +210,8 @@ class _Lives:
         at, n = float(c.P[slots.P_INJECTION]), machinery.n
         y = np.zeros(c.chambers * n)
         index = round(at / c.P[slots.P_PITCH])
-        y[index * n : index * n + n] = machinery.states_at(np.array([at - INSIDE]))[0]
-        machinery.inject(y)
+        y[index * n : index * n + n] = machinery.lives.states_at(np.array([at - INSIDE]))[0]
+        inject(machinery, y)
         life = Evaluation(problem, machinery.trajectory, self.q + sums)
         led = CorrectedState(self.y, (float(machinery.R[slots.R_TRAPPED]), float(life.q[slots.Q_WORK])))
         self._append(solution_of(life))

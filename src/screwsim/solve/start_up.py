@@ -23,6 +23,7 @@ from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.machine.drive.run_up import Motion, run_up
 from screwsim.machine.drive.train import Train
 from screwsim.model import compiled, leases, speed
+from screwsim.model.all_chambers import install_pitch, moved_on
 from screwsim.model.renumbering import set_speed
 from screwsim.model.run import Machinery
 from screwsim.model.slots import Q_WORK, R_SUCTION
@@ -191,12 +192,12 @@ class StartUpRun:
         status, angle, q = machinery.pitch(y, problem.criteria.rtol, STEP, END_MARGIN)
         if status != 0 or not np.isfinite(y).all():
             return f"the chambers could not be integrated beyond {math.degrees(angle):.2f} deg of a pitch"
-        machinery.install_coupled()
+        install_pitch(machinery)
         of = Evaluation(problem, machinery.trajectory, q)
         gas = _gas_torque(of.pitch, pitch)
         gas += (float(q[Q_WORK]) - float(np.trapezoid(gas, dx=pitch / POINTS))) / pitch
         loss, self.lifting = loss_torque(of, mean)
-        return gas, loss, float(q[Q_WORK]), machinery.shift(y)
+        return gas, loss, float(q[Q_WORK]), moved_on(machinery, y)
 
     # ---- all of it -------------------------------------------------------------------------------------------
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from own_flows.viscous import slot_flux
 
-from screwsim.effects.base import Effect, FlowPath
+from screwsim.effects.base import Effect, FlowPath, Law
 from screwsim.inputs.declare import quantity
 from screwsim.numerics.kernel import kernel
 
@@ -29,7 +29,7 @@ def build(parameters, machine):
     values = {"size": parameters.height * parameters.width, "height": parameters.height, "length": parameters.length}
     values["viscosity"] = 2e-5
     ends = ("neighbour", 1), ("suction", 0)
-    return [FlowPath(to, cross_section, values, law=slot_flux, offset=offset) for to, offset in ends]
+    return [FlowPath(to, cross_section, values, flow=Law(slot_flux), offset=offset) for to, offset in ends]
 
 
 EFFECT = Effect("slot", "laminar slots", (), "a test", Parameters, build)

@@ -1,4 +1,4 @@
-"""Openings for gas, their flow resistance and scaling; states that chambers have beside the gas's; heat and walls."""
+"""Openings for gas and their scaling; states that chambers have beside the gas's; heat and walls."""
 
 from __future__ import annotations
 
@@ -6,35 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from screwsim.effects.parts.flow_kinds import NOZZLE, FlowKind
 from screwsim.numerics.kernel import Kernel
 
 LINES = SUCTION, DISCHARGE = "suction", "discharge"  # the machine's two lines, in the order of their numbers
 NEIGHBOUR = "neighbour"  # where a gap leads: to another chamber
-
-
-@dataclass(frozen=True)
-class Resistance:
-    """Flow resistance of a gap between chambers, beyond that of a nozzle (M190).
-
-    `share` returns the share, 0 to 1, of the nozzle's mass flux `flux` [kg/(m² s)] that passes. It may take the
-    upstream port state's `oil_ratio` and `density` [kg/m³], numbers of `values`, and symbols. It must be smooth, and
-    flux times share must grow with the flux. `title` describes it.
-
-    `film`, where given, returns the mass flux of oil [kg/(m² s)] over the gap's area that flows in addition to the gas
-    and the oil in the gas (M252), at the pressure difference `drop` ≥ 0 [Pa] from the upstream to the downstream port
-    state. It may take the upstream `oil_ratio` and the like; it must be smooth, and zero without a drop and without
-    oil.
-
-    `drag`, where given, returns the mass flux of oil [kg/(m² s)] that a moving wall drags along, from the leading port
-    state to the trailing chamber whatever their pressures (M256). It may take the leading port state's `oil_ratio`, and
-    is zero without oil. It holds at the mean speed of the rotors, and is scaled with the speed.
-    """
-
-    share: Kernel
-    values: Mapping[str, float]
-    title: str
-    film: Kernel | None = None
-    drag: Kernel | None = None
 
 
 @dataclass(frozen=True)
@@ -51,7 +27,10 @@ class FlowPath:
     which the area is not smooth; `own_breakpoints` are those that matter only to the chambers of this path, not to
     their neighbours; at `corners` [rad] the slope has a corner, but no step need end. `tables` hold curves as (angle
     [rad], area [m²]), or with slopes (`numerics.spline`). Where `mirror` [rad] is given, the area at `phi` is that of
-    the kernel at mirror − phi (an expander, M150). Only a gap ('neighbour') may have a `resistance`.
+    the kernel at mirror − phi (an expander, M150).
+
+    `flow` is the kind of flow through the path: a nozzle's (M12), with a resistance, by a law of its own, or a kind
+    that an effect brings along (`flow_kinds`).
 
     `opening` returns the open share of the area of a path to a plenum where that depends on the chamber's state (a
     valve). Its arguments are `drop` [Pa], the plenum's pressure less the chamber's; `width` [Pa], below which pressure
@@ -63,12 +42,6 @@ class FlowPath:
     `one_way` (1: into the chamber, −1: out of it) makes the path a switch: the pressure difference at the start of a
     step decides whether it is open, `held` (1 or 0) passes that to the kernel, and the step ends where it changes.
     `held` is FREE where no step can hold it (scipy's integrators), LOOSE where a stored cycle is read (model.slots).
-
-    `law`, where given, replaces the nozzle flow (M12): it returns the mass flux [kg/(m² s)] over the area into the
-    chamber, from the chamber's own port state, `p_1` [Pa], `rho_1` [kg/m³], `h_1` [J/kg], `exponent_1` (1/k),
-    `oil_ratio_1` (0 without carried oil), and the port state beyond, `p_2` …; with `width`, `values` and symbols. It
-    must be smooth, zero at equal pressures, and have the sign of p_2 − p_1. Its stream has the properties of the port
-    state that it comes from. `law_title` describes it for `screwsim explain`.
     """
 
     to: str
@@ -81,19 +54,21 @@ class FlowPath:
     flow_coefficient: float = 1.0
     tables: Mapping[str, Any] = field(default_factory=dict)
     mirror: float | None = None
-    resistance: Resistance | None = None
+    flow: FlowKind = NOZZLE
     opening: Kernel | None = None
     narrow: bool = False
     one_way: int = 0
     beside: bool = False
     port: bool = False
-    law: Kernel | None = None
-    law_title: str = ""
 
     @property
     def between(self) -> bool:
         """Whether the path joins two chambers."""
         return self.to == NEIGHBOUR
+
+    def checked(self, role: str) -> str:
+        """Return the name of the function that calls a bounded kernel of the kind of flow by the path's number."""
+        return f"{'gap' if self.between else 'port'}_{role}"
 
     def mirrored(self, life: float, pitch: float) -> FlowPath:
         """Return the path of the machine run backwards: angles reversed, suction and discharge exchanged (M150)."""

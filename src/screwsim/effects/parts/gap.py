@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from math import isclose, pi
 from typing import Any
 
-from screwsim.effects.base import NEIGHBOUR, Faults, FlowPath, Resistance
+from screwsim.effects.base import NEIGHBOUR, NOZZLE, Faults, FlowPath, Resistance
 from screwsim.effects.parts import gap_flow
 from screwsim.effects.parts.gas_transport import declared_gas_viscosity
 from screwsim.effects.parts.usual import Sized
@@ -130,8 +130,8 @@ def gap_path(parameters, area, values, *, breakpoints, offset, corners=(), use_t
 
 def _between(parameters, area, values, slides, **others) -> FlowPath:
     """Return a path between chambers with the gap's flow coefficient and flow model."""
-    coefficient, resistance = parameters.flow_coefficient, parameters.resistance(slides)
-    return FlowPath(NEIGHBOUR, area, values, flow_coefficient=coefficient, resistance=resistance, **others)
+    coefficient, flow = parameters.flow_coefficient, parameters.resistance(slides) or NOZZLE
+    return FlowPath(NEIGHBOUR, area, values, flow_coefficient=coefficient, flow=flow, **others)
 
 
 def profile_paths(parameters, interfaces, gap=None, slides=None) -> list[FlowPath]:

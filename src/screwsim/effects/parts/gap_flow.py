@@ -45,7 +45,7 @@ class FlowModel(NamedTuple):
 
 def _friction(parameters: Any, slides: float | None) -> Resistance:
     fit = parameters.friction_fit
-    return Resistance(FITS[fit], _size(parameters), f"friction by Bell et al., {fit} fit (M191)")
+    return Resistance(FITS[fit], values=_size(parameters), title=f"friction by Bell et al., {fit} fit (M191)")
 
 
 def _sealed(parameters: Any, slides: float | None) -> Resistance:
@@ -58,9 +58,9 @@ def _film(parameters: Any, slides: float | None) -> Resistance:
     wall = 0.0 if slides is None else slides if stated is None else stated
     values = {**_size(parameters), "filled_from": parameters.filled_from, "wall_speed": wall}
     if wall == 0.0:
-        return Resistance(gap_flow.open_share, values, title, gap_flow.oil_film)
+        return Resistance(gap_flow.open_share, gap_flow.oil_film, values=values, title=title)
     title += f", dragged at {wall:.3g} of the tip speed (M256)"
-    return Resistance(gap_flow.open_share, values, title, gap_flow.oil_film, gap_flow.dragged_oil)
+    return Resistance(gap_flow.open_share, gap_flow.oil_film, gap_flow.dragged_oil, values=values, title=title)
 
 
 def _size(parameters: Any) -> dict[str, float]:
@@ -77,14 +77,14 @@ MODELS = {
 
 HOLES: Mapping[str, Resistance | None] = {  # of an opening without depth: of the gas alone, or with its oil (M192)
     NOZZLE: None,
-    "homogeneous": Resistance(gap_flow.homogeneous, {}, "gas and oil as one fluid (M192)"),
+    "homogeneous": Resistance(gap_flow.homogeneous, title="gas and oil as one fluid (M192)"),
 }
 
 
 def sealed(rule: str, gap: float, passage: float) -> Resistance:
     """Return the resistance of a gas–oil mixture in a clearance `gap` [m] that is `passage` [m] deep (M192, M193)."""
     title = f"mixture of gas and oil, viscosity by {rule} (M192, M193)"
-    return Resistance(MIXTURES[rule], {"gap": gap, "passage": passage}, title)
+    return Resistance(MIXTURES[rule], values={"gap": gap, "passage": passage}, title=title)
 
 
 def numbers(parameters: Any, around: Around) -> Mapping[str, float]:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from screwsim.effects.parts.flows import Resistance
+from screwsim.effects.parts.flow_kinds import Resistance
 from screwsim.fluid.separator import Separated, SeparatorInflow
 from screwsim.fluid.settings import oil_temperature
 

@@ -9,6 +9,7 @@ from typing import NamedTuple
 WAY_IN = "a path between the suction line and the chambers"
 WAY_OUT = "a path between the chambers and the discharge line"
 SUCTION_BACK = "what flows back to suction is taken in again"
+OIL_ROOM = "oil takes up volume"
 PUMPS = "power to pump the oil"
 SLIDES = "position of a slide"
 

@@ -5,7 +5,7 @@ Source: docs/model.md M1–M13. Streams are summed by the cell on the far side o
 
 from screwsim.model.network import balances, flows
 from screwsim.model.network.layout import Layout
-from screwsim.model.network.network import Gap, Network, Port
+from screwsim.model.network.network import QUANTITIES, Gap, Network, Port
 from screwsim.model.network.statements import Statements
 
 CONSTANT = ("exponent", "choke", "choked")  # numbers of the gas held constant in the derivatives of flows
@@ -13,7 +13,19 @@ RESERVED = {  # names that no state can have
     *("y", "E", "P", "TAB", "R", "own", "f", "g", "J", "Jq", "e", "j", "c", "i", "k", "s", "phi", "phase", "V", "dV"),
     *("oiled", "delta", "per_delta", "context", "side", "port_states", "work", "ahead"),
 }
+TAKEN = {  # names that the text of a stream may not set besides, since the text around it uses them
+    *("p", "h", "c_v", "TpT", "exponent", "choke", "choked", "rho_felt", "T_felt", "share", "m", "m_oil", "omega"),
+    *("slow", "area", "next_area", "flow", "pushed", "inflow", "films", "drags", "leaving", "discharged", "dt"),
+}
 BY_ANGLE = "(E_next[{at}] - E[{at}]) * per_delta"  # over the step from E to E_next
+
+
+def taken(network: Network) -> set[str]:
+    """Return the names that the text of a stream may not set."""
+    around = {*filter(None, network.cells), *Layout(network).met, "ahead", "between", "port", "given"}
+    ends = {f"{each}{way}" for each in around for way in ("", "_in", "_out")}
+    heads = {*flows.NUMBERS, *QUANTITIES, *network.states, *TAKEN, "from", "beyond", "switch", "s"}
+    return RESERVED | TAKEN | {*network.states} | {f"{head}_{end}" for head in heads for end in ends}
 
 
 class Cell:
@@ -61,40 +73,38 @@ class Cell:
             if slopes and port.one_way and not self.exact:
                 way = ">" if port.one_way > 0 else "<"
                 to.add(f"switch_{self.layout.label(port)} = 1.0 if {beyond.p} {way} p else 0.0")
-            flows.port_flux(to, port, self.layout.label(port), self.own, beyond)
-            self.upwind(to, f"{port.cell}_in", f"{port.cell}_out", beyond)
+            around = flows.around_port(self.network, port, self.own, beyond)
+            flows.gas_flux(to, port, around, self.layout.label(port))
+            self._streams_of(to, port, f"{port.cell}_in", f"{port.cell}_out", around)
 
     def gap(
         self, to: Statements, gap: Gap, inward: str, outward: str, beyond: flows.PortState, way: str = "ahead"
     ) -> None:
-        """Add the streams of gas and of oil through a gap to the port state on side `way` of the chamber."""
-        flows.gap_flux(to, gap, self.own, beyond)
-        self.upwind(to, inward, outward, beyond)
-        if gap.film:
-            flows.film_flux(to, gap, self.own, beyond)
-            to.add("film = area * film")
-            with to.within("if film >= 0.0"):
-                flows.add_film(to, self.network, inward, beyond)
-            with to.within("else"):
-                flows.add_film(to, self.network, outward, self.own)
-        if gap.drag and way == "ahead":
-            flows.drag_flux(to, self.network, gap, beyond)
-            to.add("film = area * drag")
-            flows.add_film(to, self.network, inward, beyond)
-            if self.network.pushes:
-                to.add(f"pushed += film * ({beyond.p} - p) * P[P_ROOM]")
-        elif gap.drag:
-            flows.drag_flux(to, self.network, gap, self.own)
-            to.add("film = -area * drag")
-            flows.add_film(to, self.network, outward, self.own)
+        """Add the streams through a gap to the port state on side `way` of the chamber."""
+        around = flows.around_gap(self.network, self.own, beyond, way)
+        flows.gas_flux(to, gap, around)
+        self._streams_of(to, gap, inward, outward, around)
 
-    def upwind(self, to: Statements, inward: str, outward: str, beyond: flows.PortState) -> None:
-        """Add a stream with the port state of its source."""
+    def _streams_of(self, to: Statements, opening: Port | Gap, inward: str, outward: str, around: flows.Around) -> None:
+        """Add the streams through an opening with the port states of their sources; `flux` is that of the gas."""
+        network, own, beyond = self.network, self.own, around.beyond
         to.add("flow = area * flux")
         with to.within("if flux >= 0.0"):
-            flows.add_flow(to, self.network, inward, beyond)
+            flows.add_flow(to, network, inward, beyond)
         with to.within("else"):
-            flows.add_flow(to, self.network, outward, self.own)
+            flows.add_flow(to, network, outward, own)
+        if film := opening.film:
+            to.add(*around.lines(film), f"film = area * {around.flux(film)}")
+            with to.within("if film >= 0.0"):
+                flows.add_film(to, network, inward, beyond)
+            with to.within("else"):
+                flows.add_film(to, network, outward, own)
+        if drag := opening.drag:
+            enters = around.leading is beyond
+            to.add(*around.lines(drag), f"film = {'' if enters else '-'}area * {around.flux(drag)}")
+            flows.add_film(to, network, inward if enters else outward, around.leading)
+            if enters and network.pushes:
+                to.add(f"pushed += film * ({beyond.p} - p) * P[P_ROOM]")
 
     def begin(self, to: Statements, sums: list[str]) -> None:
         """Set sums to zero."""

@@ -4,6 +4,8 @@ Source: docs/model.md M1–M13. `E` holds what depends on the angle alone: volum
 (slots.py).
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
 
@@ -12,17 +14,17 @@ from screwsim.model.network import balances, stops
 from screwsim.model.network.balances import between_texts
 from screwsim.model.network.cell import BY_ANGLE, CONSTANT, Cell
 from screwsim.model.network.flows import (
-    drag_flux,
-    film_flux,
-    gap_flux,
+    Around,
+    around_gap,
+    around_port,
+    gas_flux,
     needed,
-    port_flux,
     port_state_of,
     read_port_state,
 )
 from screwsim.model.network.layout import place_of_sum
 from screwsim.model.network.line_flow import line_flow_texts
-from screwsim.model.network.network import Gap, Network
+from screwsim.model.network.network import Gap, Network, Port
 from screwsim.model.network.port_states import port_state_texts
 from screwsim.model.network.statements import Statements, Tangent, function
 from screwsim.model.network.steps import CONTEXT, step_texts
@@ -56,8 +58,8 @@ class Chamber(Cell):
 
     def written(self) -> list[str]:
         """Return the texts of all functions."""
-        films = [self.film_flows(), self.oil_films()] if any(gap.film or gap.drag for gap in self.network.gaps) else []
         network = self.network
+        films = [self.film_flows(), self.oil_films()] if network.oily else []
         between = [*port_state_texts(network), *between_texts(network), *step_texts(network)]
         around = [*lines_texts(network, "chamber"), beyond_last_text(network), surroundings_text(network)]
         own = [self.rates(), self.jacobian(), self.path_flows(), self.given_off(), *films]
@@ -183,36 +185,41 @@ class Chamber(Cell):
         """Return the text of the flow [kg/s] into the chamber through each path: ports, then both sides of each gap."""
         network, to = self.network, Statements()
         for port in network.ports:
-            flow, label = f"out[{self.layout.flow(port)}]", self.layout.label(port)
-            to.add(f"{flow} = 0.0", f"area = E[{self.layout.area(port)}]")
-            with to.within("if area > 0.0"):
-                read_port_state(to, network, port.cell, *self.line(port.cell))
+            with self._read(to, port, "", f"out[{self.layout.flow(port)}]") as around:
                 if port.opening:
-                    to.add(f"switch_{label} = LOOSE")
-                port_flux(to, port, label, self.own, port_state_of(network, port.cell))
-                to.add(f"{flow} = area * flux")
+                    to.add(f"switch_{self.layout.label(port)} = LOOSE")
+                gas_flux(to, port, around, self.layout.label(port))
+                to.add(f"out[{self.layout.flow(port)}] = area * flux")
                 if port.opening:
                     to.add(f"{self.layout.share(port, 'OPENED')} = opened")
         for gap, way in self.sides:
-            self._read(to, gap, way, f"out[{self.layout.flow(gap, way)}]", "flux")
+            with self._read(to, gap, way, f"out[{self.layout.flow(gap, way)}]") as around:
+                gas_flux(to, gap, around)
+                to.add(f"out[{self.layout.flow(gap, way)}] = area * flux")
         return self._reading(
             "path_flows", "mass flow [kg/s] into the chamber: ports, then each gap ahead and behind", to
         )
 
     def film_flows(self) -> str:
-        """Return the text of the oil [kg/s] that enters as films, and dragged: gaps ahead and behind (M252, M256)."""
+        """Return the text of the oil [kg/s] that enters as films, and dragged (M252, M256)."""
         network, to = self.network, Statements()
         if network.slow:
             to.add(f"slow = {network.slow}")
-        for gap, way in self.sides:
-            self._read(to, gap, way, f"out[{self.layout.film(gap, way)}]", "film")
-            self._read(to, gap, way, f"drags[{self.layout.film(gap, way)}]", "drag")
+        for opening, way in self.layout.oil_beside:
+            at = self.layout.film(opening, way)
+            for out, stream in ((f"out[{at}]", opening.film), (f"drags[{at}]", opening.drag)):
+                if stream is None:
+                    to.add(f"{out} = 0.0", f"area = E[{self.layout.area(opening, way)}]")
+                    continue
+                with self._read(to, opening, way, out) as around:
+                    leaves = stream.driven and around.leading is self.own
+                    to.add(*around.lines(stream), f"{out} = {'-' if leaves else ''}area * {around.flux(stream)}")
         what = "oil [kg/s] that comes as films, and `drags` with what walls drag along: each gap ahead and behind"
         return self._reading("film_flows", what, to, ", drags")
 
     def oil_films(self) -> str:
         """Return the text of the oil [kg/s] that passes gaps beside the gas, as films and dragged."""
-        flows = [self.layout.film(gap, way) for gap, way in self.sides]
+        flows = [self.layout.film(*each) for each in self.layout.oil_beside]
         text = '"""Fill `out` with the oil [kg/s] beside the gas, films and dragged: each gap ahead and behind."""'
         call = "chamber__film_flows(y, E, context, out, drags)"
         lines = ["drags = np.empty(N_FILMS)", call, *(f"out[{each}] += drags[{each}]" for each in flows)]
@@ -238,27 +245,29 @@ class Chamber(Cell):
             [*(states if gas != "0.0" else []), *to.lines, f"return {gas}"],
         )
 
-    def _read(self, to: Statements, gap: Gap, way: str, out: str, what: str) -> None:
-        """Store the flow through one side of a gap, its film, or what a wall drags through it."""
-        area, port_state = self._side(gap, way)
-        to.add(f"{out} = 0.0", f"area = E[{area}]")
-        if what != "flux" and not getattr(gap, what):
-            return
-        cell = self.layout.neighbour(gap.side, way)
-        beyond, sign = port_state_of(self.network, cell), ""
+    @contextmanager
+    def _read(self, to: Statements, opening: Port | Gap, way: str, out: str) -> Iterator[Around]:
+        """Set `out` to zero; inside, where the opening is open, yield what its streams' text may name."""
+        network = self.network
+        if isinstance(opening, Port):
+            cell, port_state = opening.cell, self.line(opening.cell)
+            around = around_port(network, opening, self.own, port_state_of(network, cell))
+        else:
+            cell, port_state = self.layout.neighbour(opening.side, way), ("E", self._side(opening, way)[1])
+            around = around_gap(network, self.own, port_state_of(network, cell), way)
+        to.add(f"{out} = 0.0", f"area = E[{self.layout.area(opening, way)}]")
         with to.within("if area > 0.0"):
-            read_port_state(to, self.network, cell, "E", port_state)
-            if what == "drag":
-                drag_flux(to, self.network, gap, beyond if way == "ahead" else self.own)
-                sign = "" if way == "ahead" else "-"
-            else:
-                (film_flux if what == "film" else gap_flux)(to, gap, self.own, beyond)
-            to.add(f"{out} = {sign}area * {what}")
+            read_port_state(to, network, cell, *port_state)
+            yield around
 
     def _reading(self, name: str, what: str, to: Statements, more: str = "") -> str:
         """Return the text of a function that fills `out`, and the port state, for the state of a stored cycle."""
         asked = {"p": "PRESSURE", "exponent": "EXPONENT", "choke": "CHOKE", "choked": "CHOKED"}
         asked |= {"rho_felt": "DENSITY"} if self.network.roomed else {}
+        openings = self.network.openings
+        asked |= {"h": "ENTHALPY"} if any(each.asks("h") for each in openings) else {}
+        of_oil = self.network.roomed and any(each.asks("T_oil") for each in openings)
+        asked |= {"T_felt": "OIL_TEMPERATURE"} if of_oil else {}
         port_state = [
             "chamber__port_state(FREE, y, 0, P, TAB, own, 0)",
             *(f"{each} = own[{at}]" for each, at in asked.items()),

@@ -1,13 +1,15 @@
 """Flows through openings and the streams that they carry, each stated once and used by every text.
 
-Source: docs/model.md M10–M13, M184–M186, M190, M250–M252, M256. A flow [kg/s] is positive into the chamber. Its stream
-has the port state of its source: mass, enthalpy, oil, oil times temperature, dissolved gas.
+Source: docs/model.md M10–M13, M184–M186, M252, M256. A flow [kg/s] is positive into the chamber. Its stream has the
+port state of its source: mass, enthalpy, oil, oil times temperature, dissolved gas. Which streams an opening has, and
+how their fluxes follow from the port states, says its kind (`effects.parts.flow_kinds`).
 """
 
 from dataclasses import dataclass
 
+from screwsim.effects.parts.flow_kinds import PathStream
 from screwsim.fluid.nozzle import flow
-from screwsim.model.network.network import Gap, Law, Network, Port
+from screwsim.model.network.network import Gap, Network, Port
 from screwsim.model.network.statements import Statements
 
 FLOW = flow.flat_name
@@ -91,52 +93,58 @@ def add_film(to: Statements, network: Network, sums: str, source: PortState) -> 
         to.add(f"held_{sums} += film * {source.held}")
 
 
-def _flux(to: Statements, law: Law | None, own: PortState, beyond: PortState, width: str) -> str:
-    """Return a call for the flux [kg/(m² s)] into the chamber: a nozzle's (M12), or the path's own law."""
-    if law is None:
-        return f"{FLOW}(1.0, {own.nozzle}, {beyond.nozzle}, {width})"
-    port_states = {"1": own, "2": beyond}
-    for name in law.asks:
-        number, _, side = name.rpartition("_")
-        to.add(f"{name} = {getattr(port_states[side], number)}" if side in port_states else f"{name} = {width}")
-    return law.call
+@dataclass(frozen=True)
+class Around:
+    """What a stream's text may name, for a chamber with a port state beyond an opening."""
+
+    own: PortState
+    beyond: PortState
+    width: str  # of the regularisation [Pa]
+    leading: PortState  # that of the chamber ahead, or of the line
+    slow: bool = False  # whether the speed varies over the pitch
+
+    def lines(self, stream: PathStream) -> list[str]:
+        """Return the statements before a stream's flux."""
+        return [self._filled(line) for line in stream.before]
+
+    def flux(self, stream: PathStream) -> str:
+        """Return a stream's flux [kg/(m² s)]."""
+        return self._filled(stream.flux)
+
+    def _filled(self, text: str) -> str:
+        if "{" not in text:
+            return text
+        return text.format(
+            own=self.own,
+            beyond=self.beyond,
+            leading=self.leading,
+            width=self.width,
+            nozzle=f"{FLOW}(1.0, {self.own.nozzle}, {self.beyond.nozzle}, {self.width})",
+            per_slow=" / slow" if self.slow else "",
+        )
 
 
-def port_flux(to: Statements, port: Port, label: str, own: PortState, beyond: PortState) -> None:
-    """Set `flux` [kg/(m² s)] through a port (M12), times its open share where that depends on the state."""
-    flux = _flux(to, port.law, own, beyond, port.width)
-    if not port.opening:
+def around_port(network: Network, port: Port, own: PortState, beyond: PortState) -> Around:
+    """Return what the text of a port's streams may name."""
+    return Around(own, beyond, port.width, beyond, bool(network.slow))
+
+
+def around_gap(network: Network, own: PortState, beyond: PortState, way: str) -> Around:
+    """Return what the text of a gap's streams may name; beyond it lies the chamber ahead or behind."""
+    width = f"0.5 * P[P_GAP_WIDTH] * ({own.p} + {beyond.p})"
+    return Around(own, beyond, width, beyond if way == "ahead" else own, bool(network.slow))
+
+
+def gas_flux(to: Statements, opening: Port | Gap, around: Around, label: str = "") -> None:
+    """Set `flux` [kg/(m² s)] of the gas through an opening (M12).
+
+    Of a port whose open share depends on the state it is times that share; `label` names its switch.
+    """
+    to.add(*around.lines(opening.gas))
+    flux = around.flux(opening.gas)
+    if isinstance(opening, Gap) or not opening.opening:
         to.add(f"flux = {flux}")
         return
-    to.add(f"drop = {beyond.p} - {own.p}", f"width = {port.width}", f"held = switch_{label}")
-    to.add(f"opened = {port.opening}")
+    to.add(f"drop = {around.beyond.p} - {around.own.p}", f"width = {opening.width}", f"held = switch_{label}")
+    to.add(f"opened = {opening.opening}")
     to.add(f"flux = opened * {flux}")
-
-
-def gap_flux(to: Statements, gap: Gap, own: PortState, beyond: PortState) -> None:
-    """Set `flux` [kg/(m² s)] through a gap, reduced by its resistance (M190)."""
-    nozzle = _flux(to, gap.law, own, beyond, f"0.5 * P[P_GAP_WIDTH] * ({own.p} + {beyond.p})")
-    if not gap.share:
-        to.add(f"flux = {nozzle}")
-        return
-    to.add(f"nozzle = {nozzle}")
-    for head, source in (("if nozzle >= 0.0", beyond), ("else", own)):
-        with to.within(head):
-            to.add(f"density = {source.rho}", f"oil_ratio = {source.oil_ratio}")
-    to.add("flux = abs(nozzle)", f"flux = nozzle * {gap.share}")
-
-
-def film_flux(to: Statements, gap: Gap, own: PortState, beyond: PortState) -> None:
-    """Set the oil `film` [kg/(m² s)] through a gap, driven by the pressure difference (M252)."""
-    to.add(f"drop = {beyond.p} - {own.p}")
-    for head, sign, source in (("if drop >= 0.0", "", beyond), ("else", "-", own)):
-        with to.within(head):
-            to.add(f"oil_ratio = {source.oil_ratio}")
-            if sign:
-                to.add("drop = -drop")
-            to.add(f"film = {sign}{gap.film}")
-
-
-def drag_flux(to: Statements, network: Network, gap: Gap, ahead: PortState) -> None:
-    """Set the oil `drag` [kg/(m² s)] that a wall drags from the port state ahead, independent of pressures (M256)."""
-    to.add(f"oil_ratio = {ahead.oil_ratio}", f"drag = {gap.drag}{' / slow' if network.slow else ''}")

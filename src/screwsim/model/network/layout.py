@@ -47,9 +47,9 @@ class Layout:
         """Return the index of a path's flow among those into a chamber."""
         return f"FLOW_{self.of_path(path, way)}"
 
-    def film(self, gap: Gap, way: str) -> str:
-        """Return the index of a gap's oil film among those into a chamber."""
-        return f"FILM_{self.of_path(gap, way)}"
+    def film(self, path: Port | Gap, way: str = "") -> str:
+        """Return the index of the oil beside a path's gas among those into a chamber."""
+        return f"FILM_{self.of_path(path, way)}"
 
     def neighbour(self, side: int, way: str) -> str:
         """Return the name of the chamber some lobe pitches ahead or behind: `ahead_4`."""
@@ -92,6 +92,11 @@ class Layout:
     def sides(self) -> list[tuple[Gap, str]]:
         """Each gap with its side ahead, and with its side behind."""
         return [(gap, way) for gap in self._network.gaps for way in WAYS]
+
+    @property
+    def oil_beside(self) -> list[tuple[Port | Gap, str]]:
+        """The sides of all gaps, then the ports that oil passes beside the gas: in the order of the oil into it."""
+        return [*self.sides, *((port, "") for port in self._network.ports if port.oily)]
 
     @property
     def met(self) -> list[str]:
@@ -138,7 +143,7 @@ class Layout:
             **_counted("PATH_", self._labels),
             **_counted("HEAT_", self.heats),
             "E_CHAMBER": self.size,
-            **_counted("", (self.film(*each) for each in self.sides)),
+            **_counted("", (self.film(*each) for each in self.oil_beside)),
             **{f"LINE_{cell}": number for number, cell in cells[:2]},
             **{f"OF_{quantity}": i for i, quantity in enumerate(network.quantities)},
             **_counted("", map(place_of_sum, [*quadratures, "q_crossing"])),

@@ -49,7 +49,7 @@ class Moments(Chamber):
         self._heats(to)
         self._oil(to)
         films = []
-        if any(gap.film or gap.drag for gap in network.gaps):
+        if network.oily:
             films = [f"{each} = np.empty(N_FILMS)" for each in ("films", "drags")]
             films += ["chamber__film_flows(y, E, context, films, drags)"]
         head = (
@@ -76,6 +76,19 @@ class Moments(Chamber):
             self._departure(to, row, "leaving" if with_oil else "0.0")
             if with_oil:
                 to.add("discharged -= leaving * flow")
+        if port.oily:
+            self._oil_beside(to, port, row, beyond)
+
+    def _oil_beside(self, to: Statements, port: Port, row: str, beyond: PortState) -> None:
+        """Enter the oil that passes a port beside the gas."""
+        with to.within(f"if E[{self.layout.area(port)}] > 0.0"):
+            read_port_state(to, self.network, port.cell, *self.line(port.cell))
+            self._press(to, beyond, f"R[R_{port.cell} + PRESSURE]")
+            if port.film:
+                to.add(f"film = films[{self.layout.film(port)}]")
+                self._film(to, row, beyond, "True")
+            if port.drag:
+                self._drag(to, row, beyond, f"drags[{self.layout.film(port)}]")
 
     def _through_gap(self, to: Statements, gap: Gap, way: str) -> None:
         """Enter the flow through a gap where it arrives; beyond the last chamber also departures to discharge."""

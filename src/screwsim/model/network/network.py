@@ -10,34 +10,63 @@ from functools import cache
 from operator import attrgetter
 from typing import Any
 
+from screwsim.effects.parts.flow_kinds import OIL, PathStream
 from screwsim.model.slots import FIRST_OWN
 from screwsim.numerics.kernel import Kernel
 
 SYMBOLS = ("suction", "discharge")  # of the lines, in the texts; effects use the same names (`effects.base.LINES`)
 PRESSURES = tuple(f"p_{line}" for line in SYMBOLS)  # of the lines, as kernels ask for them
+WHOSE = ("own", "leading")  # under which a stream may name a chamber's own port state
 QUANTITIES = ("mass", "energy", "oil", "oil_energy", "held")  # of a stream; the first of them, as many as sums
 
 
 @dataclass(frozen=True)
-class Law:
-    """A flow law of a path's own: the call for its flux, and the numbers of both port states that it uses (`p_1` …)."""
+class Opening:
+    """A port or a gap, with the streams through it as text (`effects.parts.flow_kinds`)."""
 
-    call: str
-    asks: tuple[str, ...]
+    index: int  # among the ports, or among the gaps
+    effect: str
+    streams: tuple[PathStream, ...] = field(default=(), kw_only=True)
+
+    @property
+    def gas(self) -> PathStream:
+        """The stream of gas."""
+        return self.streams[0]
+
+    @property
+    def film(self) -> PathStream | None:
+        """The stream of oil that pressure differences drive."""
+        return next((each for each in self.streams if each.of == OIL and not each.driven), None)
+
+    @property
+    def drag(self) -> PathStream | None:
+        """The stream of oil that a wall drags along."""
+        return next((each for each in self.streams if each.of == OIL and each.driven), None)
+
+    @property
+    def oily(self) -> bool:
+        """Whether oil passes beside the gas."""
+        return len(self.streams) > 1
+
+    def asks(self, number: str) -> bool:
+        """Return whether a stream uses a number of a chamber's own port state."""
+        return any(f"{{{whose}.{number}}}" in line for whose in WHOSE for line in self.text)
+
+    @property
+    def text(self) -> list[str]:
+        """The text of all streams."""
+        return [line for each in self.streams for line in (*each.before, each.flux)]
 
 
 @dataclass(frozen=True)
-class Port:
+class Port(Opening):
     """An opening between a chamber and a line or plenum."""
 
-    index: int  # among the ports
-    effect: str
     cell: str  # the line or plenum, as an identifier
     number: int  # of that plenum
     width: str  # of the regularisation [Pa]
     opening: str = ""  # call for the open share (drop, width, held, states); empty: the angle alone decides
     one_way: int = 0
-    law: Law | None = None  # replaces the nozzle's
     narrow: bool = False
 
     @property
@@ -47,16 +76,10 @@ class Port:
 
 
 @dataclass(frozen=True)
-class Gap:
+class Gap(Opening):
     """An opening between a chamber and the one `offset` lobe pitches ahead."""
 
-    index: int  # among the gaps
-    effect: str
     side: int  # index of its offset
-    share: str = ""  # call for the share of a nozzle's flux that passes (flux, density, oil_ratio)
-    film: str = ""  # call for the flux of oil beside it (drop, oil_ratio)
-    drag: str = ""  # call for the flux of oil that a wall drags to the chamber behind (oil_ratio)
-    law: Law | None = None
 
 
 @dataclass(frozen=True)
@@ -172,9 +195,19 @@ class Network:
         return self.inflow is not None
 
     @property
+    def openings(self) -> list[Port | Gap]:
+        """All ports, then all gaps."""
+        return [*self.ports, *self.gaps]
+
+    @property
+    def oily(self) -> bool:
+        """Whether oil passes an opening beside the gas."""
+        return any(each.oily for each in self.openings)
+
+    @property
     def pushes(self) -> bool:
         """Whether walls that drag oil along do work on it (M257)."""
-        return self.roomed and any(gap.drag for gap in self.gaps)
+        return self.roomed and any(each.drag for each in self.openings)
 
     def key(self) -> tuple[Any, ...]:
         """Return everything that the texts depend on; `Network(*key)` is an equal network."""

@@ -100,6 +100,7 @@ def _at_variable_speed(pressure: float, scene: Scene, speeds: Sequence[float], p
 def _at_fixed_speed(pressure: float, scene: Scene, speed: float, own: Point, progress: Progress) -> AtPressure:
     (full,) = points_at(scene, (speed,), progress)
     if not own.ok:
+        progress.advance(1, 1)
         return AtPressure(pressure, full)
     answer = _speed_for(scene, _shaft(own), (speed * GEARED[0], speed * GEARED[1]))
     found = answer.values.get(SPEED) if answer.status == "ok" else None
