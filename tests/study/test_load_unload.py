@@ -120,6 +120,16 @@ def test_a_motor_on_the_mains_that_starts_too_often_is_told_with_the_receiver_th
         assert f"it starts up to {3600.0 * sheet.control.cycle(0.5 * FLOW).rate:.3g} times an hour" in note
 
 
+def test_of_two_stages_the_motor_counts_that_may_start_least_and_no_unloaded_point_is_offered():
+    sheet = rated(LoadUnload(FLOW, POWER, Receiver(0.02).free_air(ATMOSPHERE)))
+    motors = [replace(MAINS, rated_power=10.0 * HORSEPOWER), MOTOR]
+    for both in (motors, motors[::-1]):
+        note = year_table(sheet, year(sheet, (Demand(0.5 * FLOW, 100.0),)), both).note
+        assert "a four-pole motor of 74.57 kW may 5.2 times" in note and note.endswith("or a wider --band)")
+        assert re.search(r"it starts up to \d{4,} times an hour", note)
+    assert note.replace("--band)", "") in year_table(sheet, year(sheet, (Demand(0.5 * FLOW, 100.0),)), [MOTOR]).note
+
+
 def test_a_package_that_loads_before_it_is_vented_is_told_and_one_with_a_large_receiver_is_not():
     idle = Point(300.0, Result("ok", performance=Figures(free_air_delivered=0.0, package_input_power=IDLE)))
     for volume, told in ((2.0, True), (20.0, False)):

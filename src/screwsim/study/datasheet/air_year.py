@@ -205,14 +205,14 @@ def _too_often(rated: Rating, shares: Sequence[DemandShare], motors: Sequence[An
             yield f"{what} ({receiver.larger(control.venting / off, rated.units)})"
         return
     often = HOUR * max(share.rate or 0.0 for share in switched)
-    for motor in motors:
-        most = None if motor.inverts else most_starts(float(motor.rated_power))
-        if most is not None and often > most:
-            size = rated.units.quantity("W", motor.rated_power)
-            what = f"it starts up to {often:.3g} times an hour, and a four-pole motor of {size} may {most:g} times"
-            remedy = f"{receiver.larger(often / most, rated.units)}, or {UNLOADED_POINT}"
-            yield f"{what} ({STARTS_SOURCE}; {remedy})"
-            return
+    limits = [(most_starts(float(motor.rated_power)) or inf, motor) for motor in motors if not motor.inverts]
+    most, motor = min(limits, key=lambda limit: limit[0], default=(inf, None))
+    if motor is not None and often > most:
+        size = rated.units.quantity("W", motor.rated_power)
+        what = f"it starts up to {often:{'.0f' if often >= 100.0 else '.3g'}} times an hour"
+        may = f"a four-pole motor of {size} may {most:g} times"
+        venting = f", or {UNLOADED_POINT}" if len(motors) == 1 else ""  # two stages have no point unloaded
+        yield f"{what}, and {may} ({STARTS_SOURCE}; {receiver.larger(often / most, rated.units)}{venting})"
 
 
 def year_document(shares: Sequence[DemandShare], receiver: Receiver | None = None) -> dict[str, Any]:
