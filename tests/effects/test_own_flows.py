@@ -209,6 +209,11 @@ def test_streams_that_the_network_cannot_take_are_refused(streams, message):
         compose(with_path(Written(lambda: streams)))
 
 
+def test_a_kernel_in_place_of_a_kind_of_flow_is_refused_with_what_to_write():
+    with pytest.raises(TypeError, match=r"not a kind of flow \(for a kernel that returns a flux, write flow=Law"):
+        FlowPath(NEIGHBOUR, open_share, {}, flow=open_share)
+
+
 def test_a_kind_of_flow_where_it_does_not_belong_is_refused():
     with pytest.raises(TypeError, match="mine: a Resistance belongs to a gap between chambers"):
         compose(with_path(Resistance(open_share, values={"filled_from": 1.0}), "suction"))

@@ -61,6 +61,11 @@ class FlowPath:
     beside: bool = False
     port: bool = False
 
+    def __post_init__(self) -> None:
+        if not isinstance(self.flow, FlowKind):
+            what = f"flow of a path is a {type(self.flow).__name__}, not a kind of flow"
+            raise TypeError(f"{what} (for a kernel that returns a flux, write flow=Law(kernel))")
+
     @property
     def between(self) -> bool:
         """Whether the path joins two chambers."""
