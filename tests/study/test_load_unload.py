@@ -17,7 +17,7 @@ from screwsim.study.datasheet.air_points import Point
 from screwsim.study.datasheet.air_rating import Rating
 from screwsim.study.datasheet.air_year import Demand, year, year_document, year_table
 from screwsim.study.datasheet.load_unload import LoadUnload, Receiver, check_receiver, read_receiver
-from screwsim.study.datasheet.motor_starts import FOUR_POLES, most_starts
+from screwsim.study.datasheet.motor_starts import POWERS, STARTS, most_starts
 from screwsim.study.datasheet.units import METRIC
 
 FLOW, POWER, SHUT, IDLE = 0.3, 100e3, 73e3, 25e3
@@ -149,8 +149,18 @@ def test_larger_motors_may_start_less_often():
     assert allowed == [30.0, 30.0, 13.9, 9.6, 5.2, 3.7]
     assert most_starts(110e3) == 4.5  # 147.5 hp: the row of 150
     assert most_starts(300.0 * HORSEPOWER) is None
-    rates = [rate for _, rate in FOUR_POLES]
-    assert rates == sorted(rates, reverse=True)
+    assert [most_starts(110e3, poles) for poles in (2, 6)] == [2.2, 5.1]
+    for rates in STARTS.values():
+        assert len(rates) == len(POWERS) and list(rates) == sorted(rates, reverse=True)
+    columns = zip(*(STARTS[poles] for poles in sorted(STARTS)), strict=True)
+    assert all(list(row) == sorted(row) for row in columns)  # more poles, more starts
+
+
+def test_the_poles_that_a_motor_states_count():
+    sheet = rated(LoadUnload(FLOW, POWER, Receiver(2.0).free_air(ATMOSPHERE)))
+    motor = replace(MOTOR, efficiency_class="IE3", poles=2)
+    note = year_table(sheet, year(sheet, (Demand(0.5 * FLOW, 100.0),)), [motor]).note
+    assert "a two-pole motor of 74.57 kW may 2.6 times" in note
 
 
 def test_a_sheet_counts_three_simulated_points_of_the_package(tmp_path):

@@ -23,8 +23,8 @@ from screwsim.study.datasheet.air_rating import Rating
 from screwsim.study.datasheet.load_unload import OPTION as RECEIVER
 from screwsim.study.datasheet.load_unload import PATH as UNLOADED_POINT
 from screwsim.study.datasheet.load_unload import LoadUnload, Receiver
+from screwsim.study.datasheet.motor_starts import IN_WORDS, USUAL_POLES, most_starts
 from screwsim.study.datasheet.motor_starts import SOURCE as STARTS_SOURCE
-from screwsim.study.datasheet.motor_starts import most_starts
 from screwsim.study.datasheet.sheet import Table
 from screwsim.study.datasheet.units import METRIC
 
@@ -205,12 +205,13 @@ def _too_often(rated: Rating, shares: Sequence[DemandShare], motors: Sequence[An
             yield f"{what} ({receiver.larger(control.venting / off, rated.units)})"
         return
     often = HOUR * max(share.rate or 0.0 for share in switched)
-    limits = [(most_starts(float(motor.rated_power)) or inf, motor) for motor in motors if not motor.inverts]
-    most, motor = min(limits, key=lambda limit: limit[0], default=(inf, None))
+    on_mains = [(motor, motor.poles or USUAL_POLES) for motor in motors if not motor.inverts]
+    limits = [(most_starts(float(motor.rated_power), poles) or inf, motor, poles) for motor, poles in on_mains]
+    most, motor, poles = min(limits, key=lambda limit: limit[0], default=(inf, None, USUAL_POLES))
     if motor is not None and often > most:
         size = rated.units.quantity("W", motor.rated_power)
         what = f"it starts up to {often:{'.0f' if often >= 100.0 else '.3g'}} times an hour"
-        may = f"a four-pole motor of {size} may {most:g} times"
+        may = f"a {IN_WORDS[poles]} motor of {size} may {most:g} times"
         venting = f", or {UNLOADED_POINT}" if len(motors) == 1 else ""  # two stages have no point unloaded
         yield f"{what}, and {may} ({STARTS_SOURCE}; {receiver.larger(often / most, rated.units)}{venting})"
 
