@@ -164,8 +164,7 @@ def test_a_key_of_another_kind_of_profile_is_not_ignored_unsaid(measured, capsys
 
 def test_plot_says_that_the_case_failed_whose_cycle_is_compared_with_measured_pressures(tmp_path, capsys):
     results, points = str(tmp_path / "kept.h5"), tmp_path / "p.csv"
-    motor = "effects.motor={rated_power: 5 kW, efficiency: 0.9}"
-    assert told(capsys, "run", PAPER, "--set", motor, "-o", results)[0] == 4
+    assert told(capsys, "run", COMPACT, "--set", "effects.motor.rated_power=5 kW", "-o", results)[0] == 4
     points.write_text("angle [deg],pressure [bar]\n450,1.55\n600,6.3\n")
     code, out, _ = told(capsys, "plot", results, "-o", tmp_path / "figures", "--measured", points)
     assert code == 0 and out.startswith("status: failed; the motor's load is ") and "computed minus measured" in out
