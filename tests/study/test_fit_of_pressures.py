@@ -1,6 +1,7 @@
 """Chamber pressures at angles among the data of a fit: what is read, refused, computed and printed."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from screwsim.figures import declared
 from screwsim.figures.indicated import angle_of, pressure_at, with_pressures
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Result
-from screwsim.printing.fitted_points import lines_of_points
+from screwsim.printing.fitted_points import lines_of_points, pictures
 from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.machine import points_of
 from screwsim.study.calibration.posterior import refuse_pressures
@@ -161,3 +162,33 @@ def test_few_pressures_have_a_line_each_and_many_one_with_root_mean_squares(tmp_
 def test_a_posterior_refuses_pressures(tmp_path):
     with pytest.raises(UsageError, match="pressures of one cycle miss the model together"):
         refuse_pressures(fit_of(tmp_path, f"{HEAD}\n1000,p.csv,40\n"))
+
+
+def drawn(tmp_path, number):
+    """Return the pictures of a fit of `number` points with two pressures each, the last one predicted alone."""
+    rows = "".join(f"p{i},{'fit' if i < number - 1 else 'check'},{1000 + i},p.csv,40\n" for i in range(number))
+    fit = fit_of(tmp_path, f"name,use,{HEAD}\n{rows}")
+    found = [
+        ComparedMeasurement(point, name, each, each.value + 1e4)
+        for point in fit.points
+        for name, each in point.measured.items()
+    ]
+    return pictures(SimpleNamespace(fit=fit, compared=found))
+
+
+def test_pressures_are_drawn_beside_the_fitted_ones_and_predicted_points_are_told(tmp_path):
+    plans = drawn(tmp_path, 2)
+    assert list(plans) == ["pressures"]  # no figure beside them has a residual to draw
+    figure = plans["pressures"]()
+    titles = [axes.get_title() for axes in figure.axes]
+    assert titles == ["p0", "p1 *"]
+    line = next(each for each in figure.axes[0].get_lines() if each.get_label() == "fitted")
+    np.testing.assert_allclose(line.get_xdata(), [500.0, 600.5])
+    np.testing.assert_allclose(line.get_ydata(), [2.1, 6.1])
+    assert any("*: not fitted, only predicted" in text.get_text() for text in figure.texts)
+
+
+def test_more_points_than_panels_are_counted(tmp_path):
+    figure = drawn(tmp_path, 14)["pressures"]()
+    assert sum(bool(axes.get_title()) for axes in figure.axes) == 12
+    assert any("2 more points" in text.get_text() for text in figure.texts)

@@ -91,13 +91,13 @@ def startup(
 def datasheet(
     scene_file: str = SCENE_FILE,
     output: File = option("OUT.html|.pdf|.csv", "Write the sheet as a page, or its points as a table.", "-o"),
-    evaporating: Text = option("LOW..HIGH", "Evaporating temperatures of the table (refrigeration machine)."),
-    condensing: Text = option("LOW..HIGH", "Its condensing temperatures, or gas-cooler pressures."),
+    evaporating: Text = option("LOW..HIGH|LIST", "Evaporating temperatures of the table (refrigeration machine)."),
+    condensing: Text = option("LOW..HIGH|LIST", "Its condensing temperatures, or gas-cooler pressures."),
     suction: Text = option(
-        "LOW..HIGH", "Suction pressures of the table (gas compressor), or inlet pressures of an expander."
+        "LOW..HIGH|LIST", "Suction pressures of the table (gas compressor), or inlet pressures of an expander."
     ),
     discharge: Text = option(
-        "LOW..HIGH", "Its discharge pressures, or outlet pressures of an expander or an air package; a range or a list."
+        "LOW..HIGH|LIST", "Its discharge pressures, or outlet pressures of an expander or an air package."
     ),
     limits: Texts = option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeatable.", "--limit"),
     heating: bool = switch(

@@ -12,7 +12,7 @@ from screwsim.figures.indicated import angle_of, pressure_at
 from screwsim.outputs.customary import digits
 from screwsim.outputs.display import grouped
 from screwsim.printing.tables import plain_table
-from screwsim.report.calibration import FittedPressures, pressures_figure, residuals_figure
+from screwsim.report.calibration import PREDICTED, FittedPressures, pressures_figure, residuals_figure
 from screwsim.study.calibration.solve import Calibration, ComparedMeasurement
 
 RESIDUALS, PRESSURES = "residuals", "pressures"  # names of the pictures
@@ -86,7 +86,7 @@ def _row_of_many(pressures: Compared) -> list[str]:
 
 
 def _name(each: ComparedMeasurement) -> str:
-    return each.point.name + ("" if each.point.fitted else " *")
+    return each.point.name + ("" if each.point.fitted else PREDICTED)
 
 
 def _panels(compared: Compared, names: Sequence[str]) -> dict[str, list[tuple[int, bool, float, float]]]:

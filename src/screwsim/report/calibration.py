@@ -15,6 +15,7 @@ CONTOUR_SHARES = (0.5, 0.9)  # of the samples, enclosed by the contours of a pai
 LEAST_PANEL = 34.0  # [mm] of a panel, at least
 HEIGHT = 62.0  # [mm] of a panel
 MANY_PRESSURES = 120  # of a point, from which they are drawn as dots
+PREDICTED = " *"  # behind the name of a point that is not fitted
 MOST_NAMES = 16  # most points whose names fit below an axis
 ResidualPoint = tuple[int, bool, float, float]  # number of the point, fitted, residual, uncertainty
 
@@ -74,7 +75,8 @@ def pressures_figure(points: Sequence[FittedPressures], left_out: int = 0) -> An
         axes.set(ylabel=PRESSURE.label, xlabel="angle (°)", title=each.name)
         plain_ticks(axes.xaxis, axes.yaxis)
     places[0].legend(loc="upper left")
-    note(figure, "bars: standard uncertainty", f"{left_out} more points" if left_out else "")
+    predicted = "*: not fitted, only predicted" if any(each.name.endswith(PREDICTED) for each in points) else ""
+    note(figure, "bars: standard uncertainty", predicted, f"{left_out} more points" if left_out else "")
     return figure
 
 
