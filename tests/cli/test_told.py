@@ -11,6 +11,8 @@ import pytest
 
 from screwsim.cli import exit_code
 from screwsim.machine.rotors.export import profile_csv
+from screwsim.report.trace import case_title
+from screwsim.results import open_results
 from screwsim.study.validation import sibling
 
 ROOT = Path(__file__).parents[2]
@@ -158,6 +160,15 @@ def test_a_key_of_another_kind_of_profile_is_not_ignored_unsaid(measured, capsys
     code, out, _ = told(capsys, "run", measured, "--set", "machine.profile.root_radius=1 mm")
     assert code == 0
     assert "warning: machine.profile.root_radius: applies only to kind: rack, and kind: points does not read it" in out
+
+
+def test_plot_says_that_the_case_failed_whose_cycle_is_compared_with_measured_pressures(tmp_path, capsys):
+    results, points = str(tmp_path / "kept.h5"), tmp_path / "p.csv"
+    assert told(capsys, "run", COMPACT, "--set", "effects.motor.rated_power=5 kW", "-o", results)[0] == 4
+    points.write_text("angle [deg],pressure [bar]\n450,1.55\n600,6.3\n")
+    code, out, _ = told(capsys, "plot", results, "-o", tmp_path / "figures", "--measured", points)
+    assert code == 0 and out.startswith("status: failed; the motor's load is ") and "computed minus measured" in out
+    assert case_title(open_results(results), ()).startswith("failed")
 
 
 def test_plot_says_with_which_case_measured_pressures_are_compared_and_takes_another(tmp_path, capsys):

@@ -33,6 +33,16 @@ def test_pressures_are_read_in_the_unit_of_their_column_with_the_mark_of_excel(t
     assert found.pressure == pytest.approx([2e5, 2e5], rel=1e-15)
 
 
+def test_heads_may_have_their_unit_in_brackets(tmp_path):
+    plain, brackets = (
+        read_indicated(written(tmp_path, f"{head}\n100,2\n200,3\n"))
+        for head in ("volume_cm3,pressure_kPa", "volume [cm³],pressure [kPa]")
+    )
+    assert isinstance(brackets, IndicatedVolumes)
+    np.testing.assert_array_equal(plain, brackets)
+    np.testing.assert_array_equal(read_indicated(written(tmp_path, "angle [°],pressure [bar]\n1,2\n")).angle, [1.0])
+
+
 @pytest.mark.parametrize(
     ("text", "what"),
     [

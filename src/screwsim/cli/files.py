@@ -59,7 +59,7 @@ def plot(
     from screwsim.figures.indicated import read_indicated
     from screwsim.printing.tables import print_text
     from screwsim.report.indicated import at_angles, deviation_in_words, shift_in_words
-    from screwsim.report.trace import best_case, chosen_trace
+    from screwsim.report.trace import best_case, chosen_trace, status_in_words
     from screwsim.results import open_results
 
     read, results = read_indicated(measured), open_results(results_file)
@@ -76,6 +76,8 @@ def plot(
     case = case_in_words(results, index)
     if case:
         print_text(f"at {case}" if asked else f"at {case}, the best case (--at PATH=VALUE chooses another)")
+    if refused := status_in_words(results, index):
+        print_text(f"status: {refused}")
     print_text(deviation_in_words(points, trace))
     shift = shift_in_words(points, trace)
     if shift:

@@ -23,6 +23,8 @@ PRESSURE_COLUMN = re.compile(r"pressure_(bar|mbar|kPa|MPa|Pa)")
 VOLUME_COLUMN = re.compile(r"volume_(cm3|mm3|l|m3)")
 CUBIC_METRES = {"cm3": 1e-6, "mm3": 1e-9, "l": 1e-3, "m3": 1.0}
 _EXAMPLE = "write angle_deg,pressure_bar or volume_cm3,pressure_bar; absolute pressures, also _kPa, _MPa or _Pa"
+_BRACKETED = re.compile(r"(angle|pressure|volume)\s*\[([^\]]+)\]")  # the other way to write a head: angle [deg]
+_PLAIN = str.maketrans({"^": "", "³": "3", "°": "deg", " ": ""})
 _FIGURE = re.compile(r"pressure_at_(\d+(?:\.\d+)?)_deg")
 
 
@@ -43,24 +45,31 @@ class IndicatedVolumes(NamedTuple):
 def read_indicated(path: str | os.PathLike[str]) -> Indicated | IndicatedVolumes:
     """Return the measured points of a CSV file with angle_deg or volume_UNIT, and pressure_UNIT; raise UsageError.
 
-    Where a file has both, its angles are taken.
+    Heads may also have their unit in brackets, `angle [deg]`. Where a file has angles and volumes, angles are taken.
     """
     where = os.fspath(path)
     with sheet_or_usage_error("name a CSV file of measured pressures", where):
         sheet = read_sheet(path)
-    named = [name for name in sheet.names if PRESSURE_COLUMN.fullmatch(name)]
-    volumes = [name for name in sheet.names if VOLUME_COLUMN.fullmatch(name)]
-    places = [ANGLE_COLUMN] if ANGLE_COLUMN in sheet.names else volumes
+    heads = [(_plain(name), name) for name in sheet.names]
+    named = [name for name, _ in heads if PRESSURE_COLUMN.fullmatch(name)]
+    angles = [name for name, _ in heads if name == ANGLE_COLUMN]
+    places = angles or [name for name, _ in heads if VOLUME_COLUMN.fullmatch(name)]
     if len(places) != 1 or len(named) != 1:
         found = ", ".join(name for name in sheet.names if name) or "none"
         raise UsageError(f"{where}: needs angle_deg or one volume, and one pressure (found: {found}; {_EXAMPLE})")
-    unit = named[0].removeprefix("pressure_")
-    rows = sheet.columns(places[0], named[0])
+    unit, head = named[0].removeprefix("pressure_"), dict(heads)
+    rows = sheet.columns(head[places[0]], head[named[0]])
     if not rows:
         raise UsageError(f"{where}: has no points below its header (one row per point)")
     of, pressure = map(np.array, zip(*(_point(where, line, cells, unit) for line, cells in rows), strict=True))
     volume = VOLUME_COLUMN.fullmatch(places[0])
     return IndicatedVolumes(of * CUBIC_METRES[volume[1]], pressure) if volume else Indicated(of, pressure)
+
+
+def _plain(head: str) -> str:
+    """Return the head of a column with its unit behind its name: `angle_deg` of `angle [deg]`; others as they are."""
+    found = _BRACKETED.fullmatch(head)
+    return head if found is None else f"{found[1]}_{found[2].translate(_PLAIN)}"
 
 
 def _point(where: str, line: int, cells: tuple[str, ...], unit: str) -> tuple[float, float]:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.outputs import Result, effect_words, words_of_effects
+from screwsim.outputs.variables import FAILED, NOT_CLOSED, OK
 from screwsim.report.families import efficiency_name
 from screwsim.report.quantities import ANGLE, CRANK_ANGLE, DEGREE, Display, value_of
 from screwsim.results import Results
@@ -19,6 +20,7 @@ _EMPTY = 0.01  # share of the largest gas mass of a life
 _SIDES = ("leading", "trailing")
 _LOBES = "machine.male_lobes"
 _LINES = {"$p_s$": "suction", "$p_d$": "discharge"}
+_SAID = {OK: "", NOT_CLOSED: "not closed", FAILED: "failed"}  # of the status, in a title
 
 
 class Trace(NamedTuple):
@@ -59,17 +61,22 @@ def trace_of(result: Result) -> Trace:
     values = {name: column for name, column in result.cycle.items() if name != "angle"}
     lines = {symbol: result.performance.get(f"{line}_pressure") for symbol, line in _LINES.items()}
     pressures = {symbol: float(value) for symbol, value in lines.items() if value is not None}
-    title = "" if result.status == "ok" else "not closed"
-    return Trace(title, result.cycle["angle"], values, pressures, {})
+    return Trace(_SAID[result.status], result.cycle["angle"], values, pressures, {})
 
 
 def case_title(results: Results, index: tuple[int, ...]) -> str:
-    """Return the title of a case: its values in a sweep, whether it failed to close, its warnings; '' if none apply."""
+    """Return the title of a case: its values in a sweep, its status unless ok, its warnings; '' if none apply."""
     title = ", ".join(value_of(axis, i) for axis, i in zip(results.axis_list, index, strict=True))
-    status = "" if np.asarray(results.status)[index] == "ok" else "not closed"
+    status = _SAID[str(np.asarray(results.status)[index])]
     best = title and (results.asked is None or results.asked.sum() > 1)
     told = (f"best case: {title}" if best else title, status, warning_caption(warnings_of(results, index)))
     return "; ".join(part for part in told if part)
+
+
+def status_in_words(results: Results, index: tuple[int, ...]) -> str:
+    """Return the status of a case and why, 'failed; …'; empty for one that is ok."""
+    status, message = (str(np.asarray(of)[index]) for of in (results.status, results.messages))
+    return "" if status == OK else f"{status}; {message}"
 
 
 def best_case(results: Results) -> tuple[int, ...] | None:

@@ -39,7 +39,7 @@ def oil_room(to: Statements, network: Network, of: str = "") -> None:
 
 
 def gas_inside(to: Statements, network: Network) -> None:
-    """Set the mass of the gas and of the oil (M3, M106), and the factor on quantities per time (M217)."""
+    """Set the mass of the gas and of the oil (M1, M106), and the factor on quantities per time (M217)."""
     to.add(f"# mass of the gas{' and of the oil' if network.heated else ''} (M1{', M106' if network.roomed else ''})")
     if network.slow:
         to.add(f"slow = {network.slow}  # mean speed over the speed here (M217)")

@@ -1,6 +1,6 @@
 """Exchange of a chamber of a stored cycle with the lines, as text: port flows from the mass balance, flows to lines.
 
-Source: docs/model.md M3, M106, M184; docs/explanation/errors.md. A wide port is held at its line by a tiny Δp, which
+Source: docs/model.md M1, M106, M184; docs/explanation/errors.md. A wide port is held at its line by a tiny Δp, which
 between the ends of a step carries the whole error of the pressure; the change of the chamber's gas does not. So the
 mass balance determines the flow through one port: for the ledger the widest, if near its line's pressure; for pulsating
 lines, which receive flow at any pressure, the only port that is open to a line.
@@ -31,14 +31,14 @@ def _to_lines(network: Network) -> list[Port]:
 
 @writes("chamber__told(flows, port, mass_rate)")
 def _balanced_flow(to: Statements, network: Network) -> None:
-    """Let the mass balance tell the flow [kg/s] through a port (M3)."""
+    """Let the mass balance tell the flow [kg/s] through a port (M1)."""
     to.add("flows[port] = 0.0", "others = 0.0", *(f"others += flows[{flow}]" for flow in Layout(network).flows))
     to.add("flows[port] = mass_rate - others")
 
 
 @writes("chamber__balanced(flows, mass_rate, E, own, R, P)")
 def _balanced(to: Statements, network: Network) -> None:
-    """Let the mass balance tell the flow [kg/s] through the widest port, at nearly equal pressures (M3)."""
+    """Let the mass balance tell the flow [kg/s] through the widest port, at nearly equal pressures (M1)."""
     cell, layout = Cell(network), Layout(network)
     wide = [port for port in network.ports if port.wide]
     if wide:
@@ -56,7 +56,7 @@ def _balanced(to: Statements, network: Network) -> None:
 
 @writes("chamber__balanced_alone(flows, mass_rate)")
 def _balanced_alone(to: Statements, network: Network) -> None:
-    """Let the mass balance tell the flow [kg/s] of a port, where no other is open to a line (M3)."""
+    """Let the mass balance tell the flow [kg/s] of a port, where no other is open to a line (M1)."""
     layout, ports = Layout(network), _to_lines(network)
     to.add("opened = 0", "port = 0")
     for port in ports:
