@@ -12,7 +12,9 @@ from screwsim.outputs.customary import RPM
 from screwsim.outputs.us_units import PSI
 from screwsim.scene import without_sweep
 from screwsim.scene.operation import P_D
-from screwsim.study.datasheet import SheetOptions, sheet_of
+from screwsim.study.datasheet import SheetOptions, air_pressures, sheet_of
+from screwsim.study.datasheet.air_points import SPEED
+from screwsim.study.seek import GoalSeekAnswer
 
 pytestmark = pytest.mark.around
 AIR = Path(__file__).parents[2] / "configs" / "air"
@@ -113,6 +115,16 @@ def test_a_motor_too_small_for_the_lowest_speed_leaves_the_highest_with_a_mark()
     of = sheet("variable_speed_7", "8.5 bar, 8.6 bar", "effects.motor.rated_power=31.5 kW")
     assert not any(each["bounded_by_motor"] for each in of.document["pressures"])
     assert all("*" in row[0] for row in table(of, FULL).rows)
+
+
+def test_a_speed_that_only_comes_near_the_rated_power_bounds_nothing(monkeypatch):
+    def near(scene, question, jobs):
+        return [GoalSeekAnswer("none", question.spans, question.goals, values={SPEED: 1500.0 * RPM})]
+
+    monkeypatch.setattr(air_pressures, "find_each", near)
+    of = sheet("variable_speed_7", "8.5 bar, 11 bar")
+    assert not any(each["bounded_by_motor"] for each in of.document["pressures"])
+    assert table(of, FULL).rows[1][0].endswith("*") and float(table(of, FULL).rows[1][2]) == 2950.0
 
 
 def test_gears_that_no_speed_gives_are_told():

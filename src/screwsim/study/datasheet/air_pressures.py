@@ -90,7 +90,7 @@ def _at_variable_speed(pressure: float, scene: Scene, speeds: Sequence[float], p
     power = float(motor_of(scene).rated_power)
     if not (full.ok and lowest.ok) or not _shaft(lowest) < power < _shaft(full):
         return AtPressure(pressure, full, lowest)
-    speed = _speed_for(scene, power, (lowest.speed, full.speed)).values.get(SPEED)
+    speed = _speed_in(_search(scene, power, (lowest.speed, full.speed)))
     if speed is None:
         return AtPressure(pressure, full, lowest)
     carried = max(RPM * math.floor(speed / RPM), lowest.speed)
@@ -102,8 +102,8 @@ def _at_fixed_speed(pressure: float, scene: Scene, speed: float, own: Point, pro
     if not own.ok:
         progress.advance(1, 1)
         return AtPressure(pressure, full)
-    answer = _speed_for(scene, _shaft(own), (speed * GEARED[0], speed * GEARED[1]))
-    found = answer.values.get(SPEED) if answer.status == "ok" else None
+    answer = _search(scene, _shaft(own), (speed * GEARED[0], speed * GEARED[1]))
+    found = _speed_in(answer)
     if found is None:
         geared = Point(
             speed, Result("failed", message=f"no speed loads the motor as at its own point: {answer.message}")
@@ -114,10 +114,15 @@ def _at_fixed_speed(pressure: float, scene: Scene, speed: float, own: Point, pro
     return AtPressure(pressure, full, geared=geared)
 
 
-def _speed_for(scene: Scene, power: float, ends: tuple[float, float]) -> GoalSeekAnswer:
+def _search(scene: Scene, power: float, ends: tuple[float, float]) -> GoalSeekAnswer:
     """Return the search for the speed between two others [rad/s] at which a shaft takes a power [W]."""
     (answer,) = find_each(scene, Question((Span(SPEED, *ends),), (Goal("shaft_power", power),)), jobs=1)
     return answer
+
+
+def _speed_in(answer: GoalSeekAnswer) -> float | None:
+    """Return the speed [rad/s] that a search has found; None where none takes that power, only one near it."""
+    return answer.values.get(SPEED) if answer.status == "ok" else None
 
 
 def _shaft(point: Point) -> float:
