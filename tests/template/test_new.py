@@ -225,7 +225,7 @@ def test_templates_that_had_no_solution_or_warned_run(kind, stated):
 
 
 def test_a_small_slow_machine_on_dense_gas_has_a_solution_and_says_that_its_oil_takes_room():
-    """Leaks bring nearly four times the oil that is injected; at three times the speed it is no third of the chamber."""
+    """Leaks bring nearly four times the oil that is injected; three times as fast it fills no third of the chamber."""
     slow = {"fluid": "CO2", "condition": "-10/25 degC", "displacement": "18 m^3/h", "speed": "900 rpm"}
     told = screwsim.simulate(scene_of("heat_pump", **slow), trace=False)
     roomy = screwsim.simulate(scene_of("heat_pump", **slow).with_({"effects.oil_volume": {}}), trace=False)
