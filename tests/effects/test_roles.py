@@ -9,7 +9,7 @@ from each_row import each_row
 from screwsim.build import build_parts
 from screwsim.effects import catalogue, having, stating
 from screwsim.effects.base import CoolsOil, FlowPath, LosesPressure
-from screwsim.effects.parts.usual import LEAK, PUMPS, SLIDES, SUCTION_BACK, USUAL, WAY_IN, WAY_OUT
+from screwsim.effects.parts.usual import LEAK, OIL_ROOM, PUMPS, SLIDES, SUCTION_BACK, USUAL, WAY_IN, WAY_OUT
 from screwsim.figures import called_for, known, needs_of
 from screwsim.machine.kinds import MACHINES
 from screwsim.outputs import AFTERCOOLED, CHANGED, HEATED, HELD, PERFORMANCE, WALLED
@@ -21,7 +21,7 @@ each = sibling(ROOT / "docs" / "tools" / "each_effect.py")
 PISTON = ROOT / "configs" / "slider_crank" / "r134a.yaml"
 HUMID = ROOT / "configs" / "air" / "humid_package.yaml"
 OF_FIGURES = (CHANGED[0], WALLED[0], HELD[0], AFTERCOOLED[1])  # heated are more than say so: whoever has T_oil
-OF_CORE = {WAY_IN, WAY_OUT, SUCTION_BACK, PUMPS, SLIDES}  # which texts and names of the core ask for
+OF_CORE = {WAY_IN, WAY_OUT, SUCTION_BACK, OIL_ROOM, PUMPS, SLIDES}  # which texts and names of the core ask for
 KEYS = {  # with which an effect has a role that it has by a key
     ("refrigerant_solubility", HELD[0]): ("effects.refrigerant_solubility.flash_time=5 ms",),
 }

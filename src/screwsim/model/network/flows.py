@@ -7,10 +7,10 @@ how their fluxes follow from the port states, says its kind (`effects.parts.flow
 
 from dataclasses import dataclass
 
-from screwsim.effects.parts.flow_kinds import PathStream
 from screwsim.fluid.nozzle import flow
 from screwsim.model.network.network import Gap, Network, Port
 from screwsim.model.network.statements import Statements
+from screwsim.numerics.path_stream import PathStream
 
 FLOW = flow.flat_name
 NUMBERS = {  # of a port state: their indices (slots.PRESSURE …) by local name

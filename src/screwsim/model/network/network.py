@@ -10,9 +10,9 @@ from functools import cache
 from operator import attrgetter
 from typing import Any
 
-from screwsim.effects.parts.flow_kinds import OIL, PathStream
 from screwsim.model.slots import FIRST_OWN
 from screwsim.numerics.kernel import Kernel
+from screwsim.numerics.path_stream import OIL, PathStream
 
 SYMBOLS = ("suction", "discharge")  # of the lines, in the texts; effects use the same names (`effects.base.LINES`)
 PRESSURES = tuple(f"p_{line}" for line in SYMBOLS)  # of the lines, as kernels ask for them

@@ -163,7 +163,7 @@ def _run_source(folders: tuple[Path, ...], number: int) -> SourceOutcome:
 def _remedy(folder: Path, error: Exception) -> str:
     """Return what to do about an error of the program in a folder, which may come from screwsim itself."""
     frames = list(extract_tb(error.__traceback__))
-    while len(frames) > 1 and frames[-1].name in ("__getattr__", "__getitem__"):
+    while len(frames) > 1 and frames[-1].name in ("__getattr__", "__getitem__", "__missing__"):
         frames.pop()  # a name that there is not is the fault of who asks for it
     place = Path(frames[-1].filename).resolve()
     if place.is_relative_to(folder.resolve().parent) or not place.is_relative_to(PACKAGE_FOLDER):
