@@ -14,7 +14,7 @@ def quick(monkeypatch):
     from screwsim.derivatives.solving import SceneDerivatives
     from screwsim.simulate import warm_up
 
-    monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda: plane)
+    monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda trace: plane)
     monkeypatch.setattr(
         "screwsim.study.calibration.residuals.scene_derivatives", lambda *asked: SceneDerivatives({}, {}, "not asked")
     )

@@ -242,7 +242,7 @@ def test_a_group_that_cannot_be_is_told_at_its_line(tmp_path, group, told):
 def test_the_command_says_by_which_tolerance_a_parameter_is_held(tmp_path, capsys, monkeypatch):
     from screwsim.simulate import warm_up
 
-    monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda: plane)
+    monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda trace: plane)
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
 
     def told(scene: str, fit: str = FIT) -> str:

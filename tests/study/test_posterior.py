@@ -140,7 +140,7 @@ def test_the_command_prints_and_writes_the_posterior(tmp_path, capsys, monkeypat
     from screwsim.simulate import warm_up
 
     file = write_fit(tmp_path, ONE_START, points(3, 8, 2, 0.1))
-    monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda: plane)
+    monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda trace: plane)
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
     monkeypatch.setattr(Fit, "short_names", lambda fit: {GAP: "tip_leakage.gap", CAPACITY: "heat_capacity"})
     drawn, draw = [], printed.pairs_figure
@@ -167,7 +167,7 @@ def fakes(monkeypatch):
     """Solve nothing: the plane answers commands and functions."""
     from screwsim.simulate import warm_up
 
-    monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda: plane)
+    monkeypatch.setattr("screwsim.study.calibration.residuals.WarmSimulation", lambda trace: plane)
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
 
 

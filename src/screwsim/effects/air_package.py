@@ -22,6 +22,7 @@ unloaded.
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, Given, LosesPressure, PressureLosses, Reading, SuctionChange
+from screwsim.effects.parts.lines import BLOWN_OFF
 from screwsim.effects.parts.rating import isentropic_power
 from screwsim.fluid.settings import AIR
 from screwsim.inputs.declare import choice, quantity
@@ -45,7 +46,6 @@ BEFORE = "inlet_filter", "inlet_valve"
 MOST = 0.5  # largest share of the suction pressure that filter and valve may lose at rated flow
 NO_AIR = "ISO 1217 defines the isentropic power for air, and the gas is {fluid}"
 NONE_DELIVERED = "no net gas is delivered"
-IDLE = "the package is unloaded: the gas that its machine moves is blown off, and nothing is delivered"
 UNLOADED = "unloaded"
 OF_HEAT = "package_discharge_temperature", "aftercooler_duty", "package_heat"
 NO_POWER = "the package's input power is not positive"
@@ -216,7 +216,7 @@ def read(parameters: Parameters, known) -> Given:
     inlet, outlet = found["suction_pressure"], found["discharge_pressure"] - losses.behind
     blown = fan_power(parameters, flow)
     power = found["electrical_power"] + blown
-    idle = IDLE if parameters.state == UNLOADED else ""
+    idle = BLOWN_OFF if parameters.state == UNLOADED else ""
     why = idle or (NONE_DELIVERED if flow <= 0.0 else "" if power > 0.0 else NO_POWER)
     of_air = "" if known.fluid.lower() == AIR else NO_AIR.format(fluid=known.fluid)
     return {
@@ -244,7 +244,7 @@ def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
     T_1 = found["suction_temperature"]
     h_1, h = known.enthalpy(found["suction_pressure"], T_1), known.enthalpy(found["discharge_pressure"], T)
     if parameters.state == UNLOADED:  # the gas that the machine moves is blown off at the separator's temperature
-        return dict(zip(OF_HEAT, (IDLE, 0.0, power - flow * (h - h_1)), strict=True))
+        return dict(zip(OF_HEAT, (BLOWN_OFF, 0.0, power - flow * (h - h_1)), strict=True))
     cooled = parameters.cooled(T, T_1)
     T_2 = T if cooled is None else cooled
     share, passed = known.drained(found["discharge_pressure"], T)  # water that has condensed before leaves at T

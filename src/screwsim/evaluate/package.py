@@ -8,12 +8,12 @@ from typing import NamedTuple
 from screwsim.build import package_of
 from screwsim.cycle.problem import Problem
 from screwsim.effects.base import Given
+from screwsim.effects.parts.lines import BLOWN_OFF
 
 OVER_DELIVERY = (
     *("isothermal_efficiency", "ideal_isothermal_efficiency", "isentropic_efficiency", "specific_power"),
     *("electrical_isothermal_efficiency", "electrical_isentropic_efficiency"),
 )
-BLOWN_OFF = "the package is unloaded: the gas that its machine moves is blown off, and nothing is delivered"
 
 
 class Package(NamedTuple):

@@ -25,7 +25,7 @@ Compared = Sequence[ComparedMeasurement]
 def lines_of_points(compared: Compared) -> list[str]:
     """Return the table of measured and computed figures; many pressures of a point have one line."""
     rows, together = [], False
-    for of in grouped((each.point.name, each) for each in compared).values():
+    for of in _by_point(compared):
         pressures = _pressures(of)
         many = len(pressures) > MOST_ANGLES
         rows += [_row(each) for each in of if not (many and each in pressures)]

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.report import style
+from screwsim.report.indicated import look_of_measured
 from screwsim.report.quantities import PRESSURE
 from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, note, plain_ticks
 
@@ -14,7 +15,6 @@ BINS, FINE = 40, 28  # bins of a parameter, of each of a pair
 CONTOUR_SHARES = (0.5, 0.9)  # of the samples, enclosed by the contours of a pair
 LEAST_PANEL = 34.0  # [mm] of a panel, at least
 HEIGHT = 62.0  # [mm] of a panel
-MANY_PRESSURES = 120  # of a point, from which they are drawn as dots
 PREDICTED = " *"  # behind the name of a point that is not fitted
 MOST_NAMES = 16  # most points whose names fit below an axis
 ResidualPoint = tuple[int, bool, float, float]  # number of the point, fitted, residual, uncertainty
@@ -60,17 +60,13 @@ def pressures_figure(points: Sequence[FittedPressures], left_out: int = 0) -> An
     columns = min(2, len(points))
     figure, places = style.panels(len(points), 0.0, HEIGHT, columns, DOUBLE if columns == 2 else 1.4 * SINGLE)
     for axes, each in zip(places, points, strict=True):
-        few = len(each.angle) < MANY_PRESSURES
         axes.plot(each.angle, PRESSURE.factor * each.fitted, color="black", label="fitted")
         axes.errorbar(
             each.angle,
             PRESSURE.factor * each.measured,
             yerr=PRESSURE.factor * each.uncertainty,
-            fmt="x" if few else ".",
-            color=COLOURS[3],
-            markersize=3.5 if few else 1.5,
             elinewidth=0.6,
-            label="measured",
+            **look_of_measured(len(each.angle)),
         )
         axes.set(ylabel=PRESSURE.label, xlabel="angle (°)", title=each.name)
         plain_ticks(axes.xaxis, axes.yaxis)

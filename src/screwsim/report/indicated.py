@@ -107,10 +107,14 @@ def draw_over_volume(axes: Any, points: Indicated, trace: Trace) -> None:
     _draw(axes, volume * VOLUME.factor, points.pressure, "upper right")
 
 
+def look_of_measured(count: int) -> dict[str, Any]:
+    """Return how so many measured points are drawn: as crosses, many as dots."""
+    look = {"marker": "x", "markersize": 3.5} if count < MANY else {"marker": ".", "markersize": 1.5}
+    return {"linestyle": "", "color": COLOURS[3], "label": "measured", **look}
+
+
 def _draw(axes: Any, x: np.ndarray, pressure: np.ndarray, corner: str) -> None:
     y = pressure * PRESSURE.factor
-    few = len(y) < MANY
-    look = {"marker": "x", "markersize": 3.5} if few else {"marker": ".", "markersize": 1.5}
-    axes.plot(x, y, linestyle="", color=COLOURS[3], markeredgewidth=0.8, label="measured", zorder=4, **look)
+    axes.plot(x, y, markeredgewidth=0.8, zorder=4, **look_of_measured(len(y)))
     axes.set_ylim(top=max(axes.get_ylim()[1], 1.06 * float(y.max())))
     axes.legend(loc=corner)

@@ -63,7 +63,8 @@ def finer_lives(request: EstimateRequest) -> FinerSolutions:
     if not lives.next():
         return NO_SOLUTIONS
     if corrected and lives.lent and lives.left() > SLOW_CONTRACTION:
-        corrected = lives.renew()
+        lives.drop_lent()
+        corrected = False
     if not corrected and lives.repeated() > SLOW_CONTRACTION and lives.correct():
         corrected = lives.next()
         if not corrected:
@@ -172,10 +173,9 @@ class _Lives:
         self.shown.append(relative_errors(before, solution.figures, *self.of.least))
         self.solutions.append(solution)
 
-    def renew(self) -> bool:
-        """Drop a linearisation that was lent; return that nothing is corrected by it."""
+    def drop_lent(self) -> None:
+        """Drop a linearisation that was lent: the next correction makes its own."""
         self.lent, self.corrections.tangents = False, None
-        return False
 
     def correct(self) -> bool:
         """Move the last life to the limit of all that follow; return whether there was a correction."""

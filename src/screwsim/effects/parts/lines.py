@@ -8,6 +8,9 @@ from screwsim.effects.parts.flow_kinds import Resistance
 from screwsim.fluid.separator import Separated, SeparatorInflow
 from screwsim.fluid.settings import oil_temperature
 
+# why a package that does not deliver lacks figures
+BLOWN_OFF = "the package is unloaded: the gas that its machine moves is blown off, and nothing is delivered"
+
 
 @dataclass(frozen=True)
 class SuctionChange:

@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 
 from screwsim.figures import declared
-from screwsim.figures.indicated import angle_of
 from screwsim.inputs.declare import FoundWithCycle
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Result
@@ -92,7 +91,7 @@ def point_shifts(scene: Scene, point: Point, groups: Sequence[Group], result: Re
     """
     if not groups:
         return NO_SHIFTS
-    if any(angle_of(name) is not None for name in point.measured):
+    if point.traced:
         return PointShifts({}, dict.fromkeys(chain(*groups), f"at {point.name}: {NO_DERIVATIVE}"))
     found = slopes_by_inputs(scene, list(chain(*groups)), list(point.measured), result=result)
     over = np.array([measured.uncertainty for measured in point.measured.values()])

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from screwsim.figures.indicated import angle_of
 from screwsim.inputs.faults import UsageError
 from screwsim.study.calibration.answers import QUANTILES, ParameterInterval, Posterior, PredictiveCheck
 from screwsim.study.calibration.emulator import Emulator, Key, figures_at, fitted, places_within, solved_rows
@@ -125,7 +124,7 @@ def _places_of_off(parameter: Parameter, prior: Prior, off: Array) -> Array:
 
 def refuse_pressures(fit: Fit) -> None:
     """Raise UsageError where a fit measures pressures at angles, which the model of a discrepancy does not suit."""
-    if any(angle_of(name) is not None for point in fit.points for name in point.measured):
+    if any(point.traced for point in fit.points):
         what = "a posterior has a discrepancy for each figure, and pressures of one cycle miss the model together"
         raise UsageError(f"{what} (take the columns of pressures out of the data)")
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from screwsim.derivatives.collocation import QUICK
 from screwsim.derivatives.solving import SceneDerivatives, scene_derivatives
-from screwsim.figures.indicated import angle_of, with_pressures
+from screwsim.figures.indicated import with_pressures
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration.fit import EXACT, Fit, Measurement, Parameter, Point
 from screwsim.study.pool.parallel import WarmSimulation
@@ -99,14 +99,13 @@ class Objective:
         """Return the result of one point, with the pressures at angles that are measured there."""
         simulate = self.simulate or self._warm.get(point.name)
         if simulate is None:
-            traced = any(angle_of(name) is not None for name in point.measured)
-            simulate = self._warm[point.name] = WarmSimulation(trace=True) if traced else WarmSimulation()
+            simulate = self._warm[point.name] = WarmSimulation(trace=point.traced)
         result = simulated_if_valid(self.fit.at(point, values), simulate)
         self.solutions += 1
         if result.status != "ok":
             self.failed += 1
             return replace(result, performance=Figures())
-        return replace(with_pressures(result, point.measured), cycle={})
+        return replace(with_pressures(result, point.measured), cycle={}) if point.traced else result
 
     def slopes(self, places: Array, sides: int = 2) -> Array:
         """Return the slopes of the residuals over the places: exact where possible, else one- or two-sided differences.

@@ -5,7 +5,7 @@ package with a fan is air-cooled, one without is liquid-cooled.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -115,8 +115,9 @@ def rating(
     finally:
         progress.stop()
     control = None if receiver is None else control_of(receiver, lines(base), points, package.unloaded, shut, idle)
-    found = Rating(points, idle, regulation, variable, coolant, rooms, receiver=receiver, control=control)
-    return replace(found, pressures=others)
+    return Rating(
+        *(points, idle, regulation, variable, coolant, rooms), receiver=receiver, control=control, pressures=others
+    )
 
 
 def control_of(
