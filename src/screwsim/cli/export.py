@@ -172,14 +172,14 @@ def comma_separated(
 @app.command()
 def cases(
     source: Path = argument("OUT.h5", "The results file of a sweep or a run."),
-    output: Path = option("OUT.csv", "File to write the table to.", "-o", default=..., show_default=False),
+    output: Path = option("OUT.csv|.xlsx", "File to write the table to.", "-o", default=..., show_default=False),
     units: Literal["si", "metric", "us"] = option(
         "si|metric|us", "Units: SI; kW, bar, degC, Nm3/h; or hp, psia, degF, acfm, MMSCFD.", "--units", default="si"
     ),
     as_json: bool = AS_JSON,
 ) -> int:
     """Write every case of a results file as a row: varied paths, status, all figures."""
-    options.check_target(output, ".csv")
+    options.check_target(output, ".csv", ".xlsx")
     from screwsim.export.cases import case_columns, protect_other_cases, write_cases
     from screwsim.printing import print_json
     from screwsim.results import open_results

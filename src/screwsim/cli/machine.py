@@ -90,7 +90,7 @@ def startup(
 
 def datasheet(
     scene_file: str = SCENE_FILE,
-    output: File = option("OUT.html|.pdf|.csv", "Write the sheet as a page, or its points as a table.", "-o"),
+    output: File = option("OUT.html|.pdf|.csv|.xlsx", "Write the sheet as a page, or its points as a table.", "-o"),
     evaporating: Text = option("LOW..HIGH|LIST", "Evaporating temperatures of the table (refrigeration machine)."),
     condensing: Text = option("LOW..HIGH|LIST", "Its condensing temperatures, or gas-cooler pressures."),
     suction: Text = option(

@@ -145,7 +145,7 @@ def check_results(output: Path) -> None:
     if output.suffix and output.suffix.lower() not in RESULTS:
         good = output.with_suffix(RESULTS[0])
         also = "; screwsim report makes a page of it" if output.suffix.lower() in PAGES else ""
-        also = "; screwsim export cases makes a table of it" if output.suffix.lower() == ".csv" else also
+        also = "; screwsim export cases makes a table of it" if output.suffix.lower() in (".csv", ".xlsx") else also
         what = f"results are HDF5, so the name must end in {', '.join(RESULTS)}"
         raise UsageError(f"-o {output}: {what} (write -o {good}{also})")
     if output.is_dir():
@@ -172,14 +172,18 @@ def check_target(output: Path | None, *endings: str) -> None:
         return
     if output.suffix.lower() not in endings:
         raise UsageError(f"-o {output}: needs an ending that states its format (one of {', '.join(endings)})")
+    from screwsim.results.tables import check_workbook
+
+    check_workbook(output)
     _check_writable(output)
 
 
 def check_columns(output: Path | None, title: str, *names: str) -> None:
     """Raise UsageError unless the file name has an ending of columns, and any file there holds such columns."""
+    from screwsim.results.tables import TABLES
     from screwsim.study.columns import protect_other_columns
 
-    check_target(output, ".csv", ".h5")
+    check_target(output, *TABLES, ".h5")
     if output is not None:
         protect_other_columns(output, title, *names)
 

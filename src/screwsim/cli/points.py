@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from screwsim.study.uncertainty.measured import MeasuredFigure
 
 
-SHEETS = (".csv", ".html", ".pdf")  # endings of the points of two stages, beside those of results
+SHEETS = (".csv", ".xlsx", ".html", ".pdf")  # endings of the points of two stages, beside those of results
 
 
 def run(
@@ -178,7 +178,9 @@ def _report_ignored_output(file: str, chain: StageChain) -> None:
 def sweep(
     scene_file: str = SCENE_FILE,
     output: File = option(
-        "OUT.h5", "Results file (default: results/SCENE.h5); of two stages also .csv (the default), .html, .pdf.", "-o"
+        "OUT.h5",
+        "Results file (default: results/SCENE.h5); of two stages also .csv (the default), .xlsx, .html, .pdf.",
+        "-o",
     ),
     overrides: Texts = OVERRIDES,
     without: Texts = WITHOUT,

@@ -28,7 +28,9 @@ def find(
     catalogue: Text = option(
         "SIZES", "Available sizes, e.g. '140,163,204 mm'; the next larger one is chosen.", "--catalogue"
     ),
-    output: File = option("FOUND.yaml", "Write the scene or stages found (for a sweep, rows as .csv or .h5).", "-o"),
+    output: File = option(
+        "FOUND.yaml", "Write the scene or stages found (for a sweep, rows as .csv, .xlsx or .h5).", "-o"
+    ),
     overrides: Texts = OVERRIDES,
     without: Texts = WITHOUT,
     jobs: int | None = JOBS,
@@ -44,12 +46,12 @@ def find(
     asked = question(scene, vary or (), goals or (), catalogue or ())
     varied = [span.path for span in asked.spans]
     several = case_count(without_axes(scene, varied)) > 1
-    table = output is not None and output.suffix.lower() in (".csv", ".h5")
+    table = output is not None and output.suffix.lower() in (".csv", ".xlsx", ".h5")
     if table:
         options.check_columns(output, "goal seek", "solutions", "failed_solutions", "status", "message")
     if output is not None and not table:
         if several:
-            raise UsageError(f"-o {output}: the sweep gives one answer per row (write -o FOUND.csv or .h5)")
+            raise UsageError(f"-o {output}: the sweep gives one answer per row (write -o FOUND.csv, .xlsx or .h5)")
         _check_found(output, "-o", scene, scene_file)
     with options.counted_progress("find", "rows") as shown:
         rows = find_each(scene, asked, jobs=jobs, progress=shown)
@@ -108,7 +110,7 @@ def optimize(
     ),
     print_points: bool = switch("--print-points", "Print the points of --over as editable CSV, and exit."),
     output: File = option(
-        "OUT.h5", "Store all evaluations, so that an interrupted run can resume; of two stages also as .csv.", "-o"
+        "OUT.h5", "Store all evaluations, so that an interrupted run can resume; of two stages also as a table.", "-o"
     ),
     best: File = option("BEST.yaml", "Write the best scene (single aim only).", "--best"),
     evaluations: int | None = option("N", "Largest number of evaluations (default: 100 per path).", min=1),
@@ -201,7 +203,7 @@ def plan(
     as_json: bool = AS_JSON,
 ) -> int:
     """Choose further operating points whose measurement would fix the parameters of a fit best."""
-    options.check_target(output, ".csv")
+    options.check_target(output, ".csv", ".xlsx")
     from screwsim.printing.plan import plan_document, print_plan, protect_measured, write_plan
     from screwsim.study.calibration import read_fit
     from screwsim.study.calibration.plan import LEVELS, candidates_of

@@ -28,7 +28,7 @@ def optimum(
     minimum: bool = switch("--minimize", "Minimize it instead.", "--minimum"),
     first: Text = option("VALUE", "Lower end of the range.", "--from"),
     last: Text = option("VALUE", "Upper end of the range.", "--to"),
-    output: File = option("OUT.csv|.h5", "Write the table.", "-o"),
+    output: File = option("OUT.csv|.xlsx|.h5", "Write the table.", "-o"),
     overrides: Texts = OVERRIDES,
     without: Texts = WITHOUT,
     jobs: int | None = JOBS,
@@ -65,7 +65,7 @@ def performance_map(
         "Evaluate the map at e.g. 'evaporating_temperature=0 degC, condensing_temperature=40 degC'; repeatable.",
         "--at",
     ),
-    output: File = option("OUT.csv|.json", "Write the map.", "-o"),
+    output: File = option("OUT.csv|.xlsx|.json", "Write the map.", "-o"),
     as_json: bool = AS_JSON,
 ) -> int:
     """Fit the ten AHRI 540 / EN 12900 coefficients to a sweep over both temperatures, or evaluate them."""
@@ -75,7 +75,7 @@ def performance_map(
     from screwsim.study.maps.performance_map import performance_maps
 
     results = open_results(results_file)
-    options.check_target(output, ".csv", ".json")
+    options.check_target(output, ".csv", ".xlsx", ".json")
     if output is not None:
         printed.protect_other_maps(output)
     maps = performance_maps(results, tuple(dict.fromkeys(figures or ())))
@@ -105,7 +105,7 @@ def sensitivity(
         "N", "Base samples, a power of two (default: 256; 32 for one path); takes N (paths + 2) solutions."
     ),
     seed: int = option("N", "Random seed of the samples and confidence intervals.", min=0, default=1),
-    output: File = option("OUT.csv|.h5", "Write the indices.", "-o"),
+    output: File = option("OUT.csv|.xlsx|.h5", "Write the indices.", "-o"),
     overrides: Texts = OVERRIDES,
     without: Texts = WITHOUT,
     jobs: int | None = JOBS,
@@ -188,7 +188,7 @@ def _local_sensitivity(
     from screwsim.study.asked.figures import figure_of
     from screwsim.study.uncertainty.point import sensitivities
 
-    if output is not None and not isinstance(scene, Scene) and output.suffix.lower() != ".csv":
+    if output is not None and not isinstance(scene, Scene) and output.suffix.lower() not in (".csv", ".xlsx"):
         raise UsageError(f"-o {output}: derivatives of two stages are a table (write -o {output.with_suffix('.csv')})")
     if output is not None and output.suffix.lower() == ".h5":
         options.check_place(output)

@@ -13,11 +13,12 @@ from screwsim.outputs import PERFORMANCE, Figure
 from screwsim.outputs.customary import NORMAL_STATE, RPM, ZERO_CELSIUS
 from screwsim.outputs.us_units import BTU, CFM, FOOT, GALLON, HORSEPOWER, INCH, POUND, POUND_FORCE, PSI, STANDARD_STATE
 from screwsim.results import Results
-from screwsim.results.atomic import make_folder, write_csv
+from screwsim.results.atomic import make_folder
 from screwsim.results.fluid_name import fluid_name
 from screwsim.results.protection import protect_other_heads
 from screwsim.results.read import STAGES
 from screwsim.results.schema import Axis, cf_unit, quantities_along
+from screwsim.results.tables import write_table
 from screwsim.scene.fields import catalogue_leaves
 from screwsim.scene.types import COVERAGE
 from screwsim.study.calibration.data import UNCERTAINTY_SUFFIX
@@ -166,11 +167,11 @@ def protect_other_cases(path: Path) -> None:
 
 
 def write_cases(path: Path, columns: Sequence[CaseColumn]) -> str:
-    """Write columns as CSV with their units in the first line; return the path."""
+    """Write columns as a table with their units in the first line; return the path."""
     make_folder(path.parent)
     heads = (each.head for each in columns)
     rows = zip(*(each.values.tolist() for each in columns), strict=True)
-    return write_csv(path, heads, ([_cell(value) for value in row] for row in rows))
+    return write_table(path, heads, ([_cell(value) for value in row] for row in rows))
 
 
 def _cell(value: Any) -> Any:

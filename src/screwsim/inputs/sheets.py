@@ -1,6 +1,7 @@
-"""Reads CSV tables, all in the same way: a line of names, then rows with one cell for each name.
+"""Reads tables, all in the same way: a line of names, then rows with one cell for each name.
 
-Cells are separated by commas and may stand in double quotes; a number has a decimal point. Where the line of names has
+A table is a CSV file in UTF-8, or the first worksheet of a workbook (.xlsx, `inputs.workbooks`). In a CSV file cells
+are separated by commas and may stand in double quotes; a number has a decimal point. Where the line of names has
 semicolons and no commas, these separate cells, and the decimal sign is the one that the numbers of the table show.
 Empty lines and lines that begin with # are skipped; but where the first column holds names, a line that begins with #
 and a number and has the cells of a row is refused, for `#3` may be a name. A row with more or fewer cells than there
@@ -8,15 +9,17 @@ are names is refused: most often its decimal commas have split numbers.
 """
 
 import csv
+import io
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import counted
 from screwsim.inputs.textfiles import MOST_TABLE, Unreadable, read_text
+from screwsim.inputs.workbooks import OTHER_WORKBOOKS, WORKBOOK, BadCell, is_workbook, rows_of_workbook
 
 MOST_CELLS, MOST_ROWS = 4096, 200_000
 NAMES, REMARK = "name", "#"  # the column of names; what a line that is no row begins with
@@ -81,8 +84,16 @@ class Sheet:
 
 
 def read_sheet(path: str | os.PathLike[str]) -> Sheet:
-    """Return the table in a CSV file in UTF-8; raise Unreadable, or BadSheet with the line at fault."""
-    return sheet_of(read_text(path, MOST_TABLE))
+    """Return the table in a CSV file or a workbook; raise Unreadable, or BadSheet with the line at fault."""
+    if is_workbook(path):
+        return _sheet_of_workbook(path)
+    try:
+        return sheet_of(read_text(path, MOST_TABLE))
+    except Unreadable:
+        ending = os.path.splitext(os.fspath(path))[1].lower()
+        if ending in OTHER_WORKBOOKS and os.path.exists(path):
+            raise Unreadable(f"a workbook is read as {WORKBOOK}, not as {ending} (save it so, or as CSV)") from None
+        raise
 
 
 @contextmanager
@@ -100,19 +111,54 @@ def sheet_or_usage_error(remedy: str, where: str = "") -> Iterator[None]:
         raise UsageError(f"{before}{fault}") from None
 
 
+def _sheet_of_workbook(path: str | os.PathLike[str]) -> Sheet:
+    try:
+        found = rows_of_workbook(path, REMARK)
+    except BadCell as fault:
+        raise BadSheet(str(fault), fault.row) from None
+    every = [Row(number, _as_line(cells), tuple(cells)) for number, cells in found]
+    rows = [row for row in every if not row.cells[0].startswith(REMARK)]
+    if not rows:
+        return Sheet(Row(1, "", ()), ())
+    _check_remarks([(row.line, row.text) for row in every], rows[0])
+    return _sheet(rows[0], rows[1:], "leave the rest out")
+
+
+def _as_line(cells: list[str]) -> str:
+    """Return the line of a CSV file with these cells."""
+    line = io.StringIO()
+    csv.writer(line, lineterminator="").writerow(cells)
+    return line.getvalue()
+
+
 def sheet_of(text: str) -> Sheet:
     """Return the table in a text; without any row its head has no names. Raise BadSheet."""
     numbered = [(number, line) for number, line in enumerate(text.split("\n"), 1) if line.strip()]
     lines = [each for each in numbered if not each[1].lstrip().startswith(REMARK)]
     if not lines:
         return Sheet(Row(1, "", ()), ())
-    if len(lines) - 1 > MOST_ROWS:
-        raise BadSheet(f"has {len(lines) - 1} rows (at most {MOST_ROWS} are read; leave some out)")
     between = QUOTED.sub("", lines[0][1])
     head = _row(*lines[0], SEMICOLON if SEMICOLON in between and COMMA not in between else COMMA)
     if len(head.cells) == 1 and "\t" in head.text:
         raise BadSheet("is separated by tabs (save it with commas between cells and decimal points)", head.line)
-    body = [_row(number, line, head.mark) for number, line in lines[1:]]
+    _check_count(len(lines) - 1)
+    more = "write decimal points, not decimal commas" if head.mark == COMMA else "leave the rest out"
+    found = _sheet(head, [_row(number, line, head.mark) for number, line in lines[1:]], more)
+    _check_remarks(numbered, head)
+    return found if head.mark == COMMA else replace(found, rows=tuple(_with_points(head, found.rows)))
+
+
+def _check_count(rows: int) -> None:
+    if rows > MOST_ROWS:
+        raise BadSheet(f"has {rows} rows (at most {MOST_ROWS} are read; leave some out)")
+
+
+def _sheet(head: Row, body: Sequence[Row], more: str) -> Sheet:
+    """Return the table of a row of names and the rows below it; raise BadSheet where they do not fit together.
+
+    `more` is the remedy where a row has more cells than there are names.
+    """
+    _check_count(len(body))
     for name in head.cells:
         if name and head.cells.count(name) > 1:
             raise BadSheet(f"has the column {_short(name)} twice (remove one)", head.line)
@@ -120,14 +166,10 @@ def sheet_of(text: str) -> Sheet:
     for row in body:
         count = len(row.cells)
         if count != wanted:
-            more = "write decimal points, not decimal commas" if head.mark == COMMA else "leave the rest out"
             remedy = more if count > wanted else "fill the row"
             what = f"has {counted(count, 'cell')}, but the first line has {wanted}"
             raise BadSheet(f"{what} ({remedy}: one cell per column)", row.line)
-    if head.cells[0] == NAMES and len(head.cells) > 1:
-        for number, line in numbered:
-            _check_remark(number, line, head)
-    return Sheet(head, tuple(body if head.mark == COMMA else _with_points(head, body)))
+    return Sheet(head, tuple(body))
 
 
 def name_and_unit(cell: str) -> tuple[str, str]:
@@ -137,7 +179,7 @@ def name_and_unit(cell: str) -> tuple[str, str]:
     return match[1], (match[2] or "").strip()
 
 
-def _with_points(head: Row, body: list[Row]) -> Iterator[Row]:
+def _with_points(head: Row, body: Sequence[Row]) -> Iterator[Row]:
     """Yield the rows of a table separated by semicolons, with a point in numbers that have a decimal comma.
 
     Raise BadSheet where points and commas are in use, or where each of them may separate thousands.
@@ -177,6 +219,13 @@ def _row(number: int, line: str, mark: str) -> Row:
     if len(cells) > MOST_CELLS:
         raise BadSheet(f"has {len(cells)} cells (at most {MOST_CELLS} are allowed)", number)
     return Row(number, line, tuple(cell.strip() for cell in cells), mark)
+
+
+def _check_remarks(numbered: Iterable[tuple[int, str]], head: Row) -> None:
+    """Raise BadSheet where the first column holds names, and a remark may be a row with a name as #3."""
+    if head.cells[0] == NAMES and len(head.cells) > 1:
+        for number, line in numbered:
+            _check_remark(number, line, head)
 
 
 def _check_remark(number: int, line: str, head: Row) -> None:

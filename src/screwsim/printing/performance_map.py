@@ -16,6 +16,7 @@ from screwsim.results.fluid_name import fluid_name
 from screwsim.results.group import OWN
 from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.protection import protect_other_json
+from screwsim.results.tables import TABLES
 from screwsim.results.warning_kinds import warning_kinds
 from screwsim.screen import say
 from screwsim.study.columns import Column, protect_other_columns, write_columns
@@ -172,15 +173,15 @@ def _share(point: MapPoint, figure: str) -> str:
 
 def protect_other_maps(path: Path) -> None:
     """Raise UsageError where a file at `path` is not a map, as it would be lost."""
-    if path.suffix.lower() == ".csv":
+    if path.suffix.lower() in TABLES:
         protect_other_columns(path, "compressor map", "figure", "units", "largest_error", "rms_error")
         return
     protect_other_json(path, "file", "formula", "maps")
 
 
 def write_maps(path: Path, results: Results, maps: Sequence[PerformanceMap]) -> None:
-    """Write the maps as JSON, like `map --json`, or as CSV with one row per figure."""
-    if path.suffix.lower() == ".csv":
+    """Write the maps as JSON, like `map --json`, or as a table with one row per figure."""
+    if path.suffix.lower() in TABLES:
         rows = [(one, figure, fit) for one in maps for figure, fit in one.fits.items()]
         columns = {
             path: Column([one.values[path] for one, _, _ in rows], _units(results, path), path)

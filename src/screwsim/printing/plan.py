@@ -1,6 +1,5 @@
 """Output of `screwsim plan`, printed and written."""
 
-import csv
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -9,11 +8,14 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import figure_unit
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.sheets import BadSheet, read_sheet
 from screwsim.inputs.suggestions import counted
+from screwsim.inputs.textfiles import Unreadable
 from screwsim.outputs.display import picked
 from screwsim.printing.tables import print_left_out, print_scene_title, print_table, print_text, print_wrapped
-from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder, write_csv
+from screwsim.results.atomic import FOREIGN_FILE, check_target_kind, make_folder
 from screwsim.results.protection import first_line
+from screwsim.results.tables import write_table
 from screwsim.scene import Scene
 from screwsim.screen import say
 from screwsim.study.asked.figure_units import CELSIUS, units_of
@@ -106,9 +108,11 @@ def protect_measured(path: Path) -> None:
     if heads and not figures:
         raise UsageError(FOREIGN_FILE.format(path))
     if heads:
-        with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
-            rows = list(csv.reader(stream))[1:]
-        if any(row[number].strip() for row in rows for number in figures if number < len(row)):
+        try:
+            rows = read_sheet(path).rows
+        except (Unreadable, BadSheet):
+            raise UsageError(FOREIGN_FILE.format(path)) from None
+        if any(row.cells[number] for row in rows for number in figures):
             raise UsageError(f"{path}: holds measured figures, which would be overwritten (choose another -o)")
 
 
@@ -131,7 +135,7 @@ def write_plan(path: Path, found: Plan) -> str:
             one = step.point.measured.get(name)
             cells += ["", "" if one is None else f"{one.uncertainty / units[name][2]:.3g}"]
         rows.append(cells)
-    return write_csv(path, heads, rows)
+    return write_table(path, heads, rows)
 
 
 def _head(scene: Scene, path: str, found: Plan) -> str:

@@ -10,6 +10,7 @@ from screwsim.inputs.suggestions import counted
 from screwsim.outputs.derivatives import DIFFERENCES, PACKAGE_FIGURES
 from screwsim.outputs.display import grouped, picked
 from screwsim.printing.tables import print_scene_title, print_table, print_text, print_wrapped
+from screwsim.results.tables import TABLES
 from screwsim.results.write import save
 from screwsim.scene import Scene
 from screwsim.screen import say
@@ -202,8 +203,8 @@ def _percent(value: float | None) -> str:
 
 
 def write_local(path: Path, scene: Varied, found: Sensitivities) -> None:
-    """Write one row per figure and number as CSV; of a scene as HDF5 the results, with a group of derivatives."""
-    if path.suffix.lower() != ".csv" and isinstance(scene, Scene):
+    """Write one row per figure and number as a table; of a scene as HDF5 the results, with a group of derivatives."""
+    if path.suffix.lower() not in TABLES and isinstance(scene, Scene):
         save(path, scene, found.result, "sensitivity --local", found)
         return
     rows = [(figure, number, slope) for figure, slopes in found.derivatives.items() for number, slope in slopes.items()]

@@ -11,9 +11,9 @@ from screwsim.inputs.faults import UsageError
 from screwsim.report.datasheet_csv import check_table, write_table
 from screwsim.results.atomic import check_writable, make_folder, write_text
 from screwsim.results.protection import PAGE, PDF, protect_unmarked
+from screwsim.results.tables import TABLES, check_workbook
 from screwsim.version import version
 
-CSV = ".csv"
 WIDE, HIGH = 640.0, 300.0  # size of a drawing
 LEFT, RIGHT, TOP, BOTTOM = 58.0, 14.0, 26.0, 44.0  # margins of a drawing
 TICK_COUNT = 6
@@ -26,24 +26,25 @@ LONG_HEADS = 42  # characters of a table's heads from which units move below, so
 
 
 def check_sheet(output: Path) -> None:
-    """Raise UsageError where a sheet's file name is neither HTML, PDF nor CSV, another's, or cannot be written."""
-    if output.suffix.lower() == CSV:
+    """Raise UsageError where a sheet's file name is none of a page, PDF or table, another's, or cannot be written."""
+    if output.suffix.lower() in TABLES:
+        check_workbook(output)
         check_table(output)
         check_writable(output)
         return
     mark = {".pdf": PDF, ".html": PAGE, ".htm": PAGE}.get(output.suffix.lower())
     if mark is None:
         good = ", ".join(str(output.with_suffix(ending)) for ending in (".html", ".pdf"))
-        good += f" or {output.with_suffix(CSV)}"
+        good += f" or {output.with_suffix(TABLES[0])}"
         raise UsageError(f"-o {output}: a data sheet is an HTML page, a PDF or a table (write -o {good})")
     protect_unmarked(output, mark)
     check_writable(output)
 
 
 def write_sheet(sheet: Any, output: Path) -> str:
-    """Write a data sheet as PDF, HTML or CSV, by the ending of its name; raise UsageError when the system refuses."""
+    """Write a data sheet as PDF, HTML or table, by its ending; raise UsageError when the system refuses."""
     make_folder(output.parent)
-    if output.suffix.lower() == CSV:
+    if output.suffix.lower() in TABLES:
         return write_table(sheet.document, output)
     if output.suffix.lower() == ".pdf":
         from screwsim.report.datasheet_pdf import write_pdf

@@ -10,8 +10,8 @@ from screwsim.figures import declaration, declared
 from screwsim.figures.engineering import reading_unit
 from screwsim.inputs.declare import KINDS
 from screwsim.outputs.customary import ZERO_CELSIUS
-from screwsim.results.atomic import write_csv
 from screwsim.results.protection import protect_other_heads
+from screwsim.results.tables import write_table as write_rows
 from screwsim.scene.fields import Leaf, leaf_paths
 from screwsim.scene.units import customary_unit, to_customary
 
@@ -44,7 +44,7 @@ def write_table(document: Mapping[str, Any], output: Path) -> str:
     told = (": ".join(filter(None, (each[STATUS], each["message"]))) for each in points)
     ends = [[status, SEPARATOR.join(each[WARNINGS])] for status, each in zip(told, points, strict=True)]
     cells = zip(*(values for _, values in columns), strict=True)
-    return write_csv(output, heads, [[*row, *end] for row, end in zip(cells, ends, strict=True)])
+    return write_rows(output, heads, [[*row, *end] for row, end in zip(cells, ends, strict=True)])
 
 
 def _points(document: Mapping[str, Any]) -> Sequence[Mapping[str, Any]]:

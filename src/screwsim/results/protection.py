@@ -6,6 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.sheets import BadSheet, read_sheet
+from screwsim.inputs.textfiles import Unreadable
+from screwsim.inputs.workbooks import is_workbook
 from screwsim.results.atomic import FOREIGN_FILE, HDF5_SIGNATURE, check_target_kind, has_content, protect_others
 
 PAGE = '<meta name="generator" content="screwsim '  # how our pages identify themselves
@@ -28,13 +31,24 @@ def protect_other_heads(path: Path, ours: Callable[[list[str]], bool]) -> None:
 
 
 def first_line(path: Path) -> list[str]:
-    """Return the cells of the first line of a CSV file; none where there is no file, or it is empty."""
+    """Return the cells of the first line of a table; none where there is no file, or it is empty."""
+    if is_workbook(path):
+        return _heads_of_workbook(path)
     try:
         with path.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
             line = stream.readline(LONGEST_LINE)
         return (next(csv.reader([line])) or [""]) if line else []
     except (OSError, csv.Error):  # a file that cannot be read cannot be replaced either, which is reported then
         return []
+
+
+def _heads_of_workbook(path: Path) -> list[str]:
+    if not has_content(path):
+        return []
+    try:
+        return list(read_sheet(path).names)
+    except (Unreadable, BadSheet):  # not a workbook, or none of ours
+        return [""]
 
 
 def protect_unmarked(path: Path, mark: str) -> None:

@@ -1,4 +1,4 @@
-"""Results of a study on disk: named columns with units, as CSV or HDF5."""
+"""Results of a study on disk: named columns with units, as a table or HDF5."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -8,11 +8,12 @@ import numpy as np
 
 from screwsim.figures import declared
 from screwsim.outputs import Variable
-from screwsim.results.atomic import make_folder, replacing, write_csv
+from screwsim.results.atomic import make_folder, replacing
 from screwsim.results.guarded import new_hdf5
 from screwsim.results.netcdf import Layout, number_attributes, set_attributes, text_lines
 from screwsim.results.protection import protect_other_hdf5, protect_other_heads
 from screwsim.results.schema import variable_name
+from screwsim.results.tables import TABLES, write_table
 from screwsim.scene.fields import Leaf
 from screwsim.scene.grid import unit_of
 from screwsim.version import version
@@ -44,21 +45,21 @@ def error_column(name: str, values: Sequence[Any]) -> Column:
 def protect_other_columns(path: Path, title: str, *names: str) -> None:
     """Raise UsageError where the file at `path` does not hold such columns, as measured data: it would be lost.
 
-    A CSV file of a study has the columns `names`, an HDF5 file a title that begins with `title`.
+    A table of a study has the columns `names`, an HDF5 file a title that begins with `title`.
     """
-    if path.suffix.lower() != ".csv":
+    if path.suffix.lower() not in TABLES:
         protect_other_hdf5(path, "title", title)
     else:
         protect_other_heads(path, lambda heads: set(names) <= {head.partition(" [")[0] for head in heads})
 
 
 def write_columns(path: Path, title: str, columns: Mapping[str, Column]) -> None:
-    """Write columns of equal length: CSV with the units in its first line, or HDF5 with the layout of netCDF-4."""
+    """Write columns of equal length: a table with the units in its first line, or HDF5 with the layout of netCDF-4."""
     make_folder(path.parent)
-    if path.suffix.lower() == ".csv":
+    if path.suffix.lower() in TABLES:
         heads = (f"{name} [{each.units}]" if each.units not in ("1", "") else name for name, each in columns.items())
         rows = zip(*(column.values for column in columns.values()), strict=True)
-        write_csv(path, heads, (["" if value is None else value for value in row] for row in rows))
+        write_table(path, heads, (["" if value is None else value for value in row] for row in rows))
         return
     with replacing(path) as temporary:
         _write_hdf5(temporary, title, columns)

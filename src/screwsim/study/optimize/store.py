@@ -20,6 +20,7 @@ from screwsim.results.identity import differences, installed_version, unpacked
 from screwsim.results.optimum import EVALUATION, EXCESS_MEANING, FLAGS, POINT, EvaluationColumns, write_optimum
 from screwsim.results.read import read_attributes
 from screwsim.results.schema import Axis, Subject, axis_of, digest, subject_of
+from screwsim.results.tables import TABLES
 from screwsim.results.write import Draft
 from screwsim.scene import Scene
 from screwsim.scene.grid import unit_of
@@ -65,8 +66,8 @@ def identity(asked: Question) -> dict[str, str]:
 @contextmanager
 def held_parts(output: Path, asked: Question, restart: bool) -> Iterator[Parts]:
     """Hold the parts of an optimisation; raise UsageError where they, or the file, belong to something else."""
-    if not isinstance(asked.scene, Scene) and output.suffix.lower() not in (".csv", ".h5"):
-        raise UsageError(f"{output}: evaluations of two stages are a table (choose a name in .csv or .h5)")
+    if not isinstance(asked.scene, Scene) and output.suffix.lower() not in (*TABLES, ".h5"):
+        raise UsageError(f"{output}: evaluations of two stages are a table (choose a name in .csv, .xlsx or .h5)")
     own = {"scene_sha256": digest(_subject(asked).text), "identity": identity(asked)}
     parts = Parts(output, own, "optimisation")
     if has_content(output):
