@@ -51,7 +51,7 @@ MOST_EFFICIENCY = {"figure": 1.5, "uncertainty": 0.5}
 def units_of(figure: str) -> Mapping[str, float]:
     """Return the factors to SI units of the units in which a figure may be stated."""
     si = declared(figure).units
-    return UNITS.get(si, {si: 1.0})
+    return UNITS.get(si, {tidy_unit(si_unit(si)): 1.0, si: 1.0})
 
 
 def bare_percent(figure: str, number: str, kind: str) -> str:
