@@ -6,7 +6,7 @@ import numpy as np
 from each_row import each_row
 
 from screwsim.figures import known
-from screwsim.outputs import KNOCK_OUT, Figures, Result, effect_words
+from screwsim.outputs import KNOCK_OUT, Figure, Figures, Result, effect_words
 from screwsim.outputs.customary import SCALES, scale
 from screwsim.printing import _numerics, engineering, plain, print_result
 from screwsim.printing.short import print_short
@@ -15,6 +15,7 @@ from screwsim.printing.tables import column_heads, plain_table
 from screwsim.report.ledger import waterfall_bars
 from screwsim.scene import load
 from screwsim.scene.plausible import idle_figures
+from screwsim.study.asked import figure_units
 from screwsim.study.stages import ChainResult
 
 
@@ -253,3 +254,11 @@ def test_effects_without_which_there_is_no_solution_are_told_in_one_line(capsys)
     told = "no solution without suction_port (failed); droplets, separator (needed): run with --without NAME says why"
     assert told in " ".join(" ".join(out).split()) and "without motor: a doubt" in out
     assert "needs what is left out" not in "\n".join(out)
+
+
+@each_row(("units", "printed", "written"), [("W m-2", "W/m²", "W/m^2"), ("Pa s3 K-1", "Pa s³/K", "Pa s^3/K")])
+def test_a_unit_that_only_an_effect_of_ones_own_has_needs_no_table(units, printed, written, monkeypatch):
+    figure = Figure("flux", units, "flux through the skin")
+    assert engineering(figure, 12.0) == ("12", printed)
+    monkeypatch.setattr(figure_units, "declared", lambda name: figure)
+    assert figure_units.units_of("flux")[written] == 1.0

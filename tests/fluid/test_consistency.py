@@ -8,6 +8,7 @@ from own_gases.covolume import CovolumeGas, specific_entropy, state
 from test_gas_protocol import GASES
 
 from screwsim.fluid.consistency import inconsistency
+from screwsim.inputs.faults import QuantityNotFound
 from screwsim.numerics.kernel import kernel
 
 LINES = 1.2e5, 290.0, 12e5  # p_s [Pa], T_s [K], p_d [Pa]
@@ -45,7 +46,6 @@ def nothing_when_dense(T, rho, R_gas, k_gas, b_gas):
 FLAWS = {
     "state": (slope_without_temperature, "T ∂p/∂T [Pa] of its `state` at 1.2 bar, 290 K is "),
     "exponent": (exponent_upside_down, "1/k of its `state` at 1.2 bar, 290 K is "),
-    "dense": (nothing_when_dense, "p of its kernel `state`, with its density("),
 }
 
 
@@ -60,6 +60,15 @@ def test_a_kernel_of_another_equation_is_told(flaw):
     assert inconsistency(Wrong(81.49, 1.12, 1e-3), *LINES).startswith(words)
 
 
+def test_a_state_that_is_sought_and_not_there_is_told():
+    @dataclass(frozen=True)
+    class Wrong(CovolumeGas):
+        state = nothing_when_dense
+
+    with pytest.raises(QuantityNotFound, match="no vapour at 12 bar"):
+        inconsistency(Wrong(81.49, 1.12, 1e-3), *LINES)
+
+
 def test_an_entropy_of_another_sign_is_told():
     @dataclass(frozen=True)
     class Wrong(CovolumeGas):
@@ -70,6 +79,7 @@ def test_an_entropy_of_another_sign_is_told():
 
 PLAIN = {
     "density": ("density", 1.01, "p of its kernel `state`, with its density("),
+    "no density": ("density", math.nan, "p of its kernel `state`, with its density("),
     "enthalpy": ("enthalpy", 1.01, "its enthalpy [J/kg] at"),
     "isentropic_work": ("isentropic_work", 1.1, "its entropy [J/(kg K)] after isentropic_work is "),
     "isothermal_work": ("isothermal_work", 1.01, "its isothermal_work [J/kg] is "),

@@ -26,7 +26,7 @@ STUDY = "a study, page or export of this effect, above the simulation"
 WORDS = "a word of its own that an effect is called by as well"
 WRITES = "it writes scenes with effects"
 ALLOWED = {
-    "cli/export.py": ({"bearings"}, "the help of an option says from where its default is"),
+    "cli/export/loads.py": ({"bearings"}, "the help of an option says from where its default is"),
     "evaluate/cautions.py": ({"wall_heat"}, FIGURES),
     "evaluate/figures.py": ({"wall_heat"}, FIGURES),
     "evaluate/ledger/book.py": ({"oil_injection", "suction_line"}, FIGURES),

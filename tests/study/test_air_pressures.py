@@ -11,9 +11,8 @@ from screwsim.cli import exit_code
 from screwsim.outputs.customary import RPM
 from screwsim.outputs.us_units import PSI
 from screwsim.scene import without_sweep
-from screwsim.scene.operation import P_D
+from screwsim.scene.operation import P_D, SPEED
 from screwsim.study.datasheet import SheetOptions, air_pressures, sheet_of
-from screwsim.study.datasheet.air_points import SPEED
 from screwsim.study.seek import GoalSeekAnswer
 
 pytestmark = pytest.mark.around

@@ -1,4 +1,4 @@
-"""Chamber pressures at angles among the data of a fit: what is read, refused, computed and printed."""
+"""Curves at angles among the data of a fit, mostly chamber pressures: what is read, refused, computed and printed."""
 
 from pathlib import Path
 from types import SimpleNamespace
@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from screwsim.figures import declared
-from screwsim.figures.indicated import angle_of, pressure_at, with_pressures
+from screwsim.figures.curves import Reading, reading_of, with_readings
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Result
 from screwsim.printing.fitted_points import lines_of_points, pictures
 from screwsim.study.calibration import read_fit
 from screwsim.study.calibration.machine import points_of
-from screwsim.study.calibration.posterior import refuse_pressures
+from screwsim.study.calibration.posterior import refuse_curves
 from screwsim.study.calibration.residuals import Objective
 from screwsim.study.calibration.solve import ComparedMeasurement
 
@@ -26,6 +26,8 @@ parameters:
 starts: 1
 """
 HEAD = "operation.speed [rpm],indicator,indicator_uncertainty [mbar] (k=2)"
+PLENUM = "discharge_plenum_pressure"
+OF_PLENUM = f"operation.speed [rpm],indicator_of_{PLENUM},indicator_of_{PLENUM}_uncertainty [mbar]"
 OF_600 = "pressure_at_600_deg [bar],pressure_at_600_deg_uncertainty [bar]"
 PRESSURES = "angle_deg,pressure_kPa\n500,200\n600.5,600\n"
 
@@ -84,6 +86,9 @@ def test_a_point_may_have_no_indicator_beside_others_that_have_one(tmp_path):
         (f"{HEAD}\n1000,p.csv,40\n", "angle_deg,pressure_bar\n-9,1\n", "'p.csv' has -9 deg"),
         (f"{HEAD}\n1000,p.csv,40\n", "angle_deg,pressure_bar\n9,-1\n", "is not an absolute pressure"),
         (f"{HEAD}\n1000,p.csv,40\n", "angle_deg,pressure_bar\n" + "9,1\n" * 2001, "at most 2000"),
+        (f"{HEAD.replace('indicator', 'indicator_of_gas_temperature')}\n1000,p.csv,40\n", PRESSURES, "is not known"),
+        (f"{HEAD.replace('indicator', 'indicator_of_pressure')}\n1000,p.csv,40\n", PRESSURES, "is not known"),
+        ("heat_at_600_deg [W],heat_at_600_deg_uncertainty [W]\n1,1\n", PRESSURES, "heat_at_600_deg: is not known"),
         ("pressure_at_600_deg [K],pressure_at_600_deg_uncertainty [bar]\n1,1\n", PRESSURES, "'K' is not one"),
     ],
 )
@@ -94,13 +99,38 @@ def test_what_does_not_suit_a_fit_is_refused_in_its_line(tmp_path, points, press
 
 
 def test_a_pressure_is_linear_between_samples_and_has_a_reason_outside_the_cycle():
-    found = with_pressures(result(), ["pressure_at_100.25_deg", "pressure_at_721_deg", "shaft_power"])
+    found = with_readings(result(), ["pressure_at_100.25_deg", "pressure_at_721_deg", "shaft_power"])
     assert found.performance == {"pressure_at_100.25_deg": 200250.0, "pressure_at_721_deg": None}
     assert found.why_not(["pressure_at_721_deg"]).endswith("721 deg is outside the cycle's 0 to 720 deg")
 
 
+def test_any_declared_curve_is_read_and_what_has_no_value_there_has_a_reason():
+    cycle = result().cycle
+    gas = np.where(cycle["angle"] < 10.0, np.nan, 300.0 + cycle["angle"])
+    names = [Reading(*each).figure for each in (("gas_temperature", 100.5), ("gas_temperature", 5.0), (PLENUM, 5.0))]
+    found = with_readings(Result("ok", cycle=cycle | {"gas_temperature": gas}), names)
+    assert found.performance == {names[0]: 400.5, names[1]: None, names[2]: None}
+    assert found.why_not(names[1:2]).endswith("gas_temperature has no value at 5 deg")
+    assert found.why_not(names[2:]).endswith(f"the cycle has no {PLENUM}")
+
+
+def test_a_temperature_at_an_angle_is_a_column_with_its_unit(tmp_path):
+    name = Reading("gas_temperature", 600.0).figure
+    (point,) = fit_of(tmp_path, f"{name} [degC],{name}_uncertainty [K]\n80,2\n").points
+    assert point.measured[name] == (pytest.approx(353.15), 2.0) and point.traced
+    assert declared(name).long_name == "gas temperature at 600 degrees"
+
+
+def test_a_file_may_hold_the_pressure_of_a_plenum(tmp_path):
+    (point,) = fit_of(tmp_path, f"{OF_PLENUM}\n1000,p.csv,40\n").points
+    assert {name: tuple(each) for name, each in point.measured.items()} == {
+        Reading(PLENUM, 500.0).figure: (2e5, 4e3),
+        Reading(PLENUM, 600.5).figure: (6e5, 4e3),
+    }
+
+
 def test_a_result_that_is_not_asked_for_pressures_has_none():
-    assert with_pressures(result(), ["shaft_power"]).performance == {}
+    assert with_readings(result(), ["shaft_power"]).performance == {}
 
 
 def test_a_single_pressure_at_zero_is_beside_those_of_a_file(tmp_path):
@@ -113,7 +143,7 @@ def test_a_single_pressure_at_zero_is_beside_those_of_a_file(tmp_path):
 def test_a_fit_has_a_figure_at_any_angle_of_a_file(tmp_path, angle):
     (point,) = fit_of(tmp_path, f"{HEAD}\n1000,p.csv,40\n", f"angle_deg,pressure_kPa\n{angle},200\n").points
     (name,) = point.measured
-    assert declared(name).units == "Pa" and angle_of(name) == float(angle)
+    assert declared(name).units == "Pa" and reading_of(name) == ("pressure", float(angle))
 
 
 def test_future_measurements_are_of_no_indicator(tmp_path):
@@ -125,9 +155,9 @@ def test_future_measurements_are_of_no_indicator(tmp_path):
 
 @pytest.mark.parametrize("angle", [0.0, 0.5, 360.0, 719.25])
 def test_the_name_of_a_pressure_has_its_angle(angle):
-    name = pressure_at(angle)
-    assert angle_of(name) == angle and declared(name).units == "Pa"
-    assert angle_of("peak_pressure") is None
+    name = Reading("pressure", angle).figure
+    assert reading_of(name) == ("pressure", angle) and declared(name).units == "Pa"
+    assert reading_of("peak_pressure") is None
 
 
 def test_a_fit_reads_the_cycle_of_its_points(tmp_path):
@@ -159,9 +189,25 @@ def test_few_pressures_have_a_line_each_and_many_one_with_root_mean_squares(tmp_
     ]
 
 
+def test_curves_are_told_and_drawn_apart(tmp_path):
+    rows = "".join(f"{angle},200\n" for angle in range(500, 560, 5))
+    both = HEAD + OF_PLENUM.removeprefix("operation.speed [rpm]")
+    fit = fit_of(tmp_path, f"{both}\n1000,p.csv,40,p.csv,40\n", f"angle_deg,pressure_kPa\n{rows}")
+    found = compared(fit, 24)
+    lines = [" ".join(line.split()) for line in lines_of_points(found)]
+    assert lines[2:] == [
+        "line 2 12 pressures, 500 … 555 deg 0.02 0.04 bar 2.00",
+        "line 2 12 discharge plenum pressures, 500 … 555 deg 0.04 0.08 bar 2.00",
+        "of pressures and discharge plenum pressures: root mean squares of fitted minus measured, and of the residuals",
+    ]
+    plans = pictures(SimpleNamespace(fit=fit, compared=found))
+    assert list(plans) == ["pressures", "discharge_plenum_pressures"]
+    assert plans["discharge_plenum_pressures"]().axes[0].get_ylabel() == "discharge plenum pressure (bar)"
+
+
 def test_a_posterior_refuses_pressures(tmp_path):
-    with pytest.raises(UsageError, match="pressures of one cycle miss the model together"):
-        refuse_pressures(fit_of(tmp_path, f"{HEAD}\n1000,p.csv,40\n"))
+    with pytest.raises(UsageError, match="values of one cycle miss the model together"):
+        refuse_curves(fit_of(tmp_path, f"{HEAD}\n1000,p.csv,40\n"))
 
 
 def drawn(tmp_path, number):

@@ -10,13 +10,12 @@ import screwsim
 from screwsim.cli import exit_code
 from screwsim.outputs import Result
 from screwsim.scene import loads
-from screwsim.scene.operation import P_D, P_S
+from screwsim.scene.operation import P_D, P_S, SPEED
 from screwsim.study.asked.inputs import ends_of
 from screwsim.study.datasheet.air_points import Point
 from screwsim.study.datasheet.gas_sheet import rating_request
 from screwsim.study.datasheet.machine_lines import machine_line, oil_line
 from screwsim.study.datasheet.rated import case_scene
-from screwsim.study.part_load import SPEED_PATH
 from screwsim.template import new_scene, request_of
 
 pytestmark = pytest.mark.around
@@ -175,7 +174,7 @@ def test_axes_are_the_sweeps_the_options_or_shares_of_the_scenes_own():
     assert (own.across.path, own.down.path) == (P_S, P_D)
     assert own.across.values == pytest.approx([4e5, 4.5e5, 5e5, 5.5e5, 6e5])
     expands = loads(new_scene("expander", request_of()))
-    assert rating_request(expands, NONE, {}).across.path == SPEED_PATH
+    assert rating_request(expands, NONE, {}).across.path == SPEED
     inlets = rating_request(expands, {**NONE, "--suction": "18 bar..22 bar"}, {})
     assert inlets.across.path == P_S and inlets.across.values[0] == pytest.approx(18e5)
 

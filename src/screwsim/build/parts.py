@@ -10,6 +10,7 @@ from screwsim.model.parts import Effects, OilPart, Parts, Widths
 from screwsim.scene.checks import cross_check
 from screwsim.scene.grid import case, case_count, with_sweep_over
 from screwsim.scene.lines import Lines, lines, refrigerating_effect
+from screwsim.scene.operation import SPEED
 from screwsim.scene.types import Scene
 
 WIDTH = 0.25  # width of the regularisation over the requested accuracy
@@ -111,7 +112,7 @@ def _widths(scene: Scene, at: Lines) -> Widths:
 
 def prepare(scene: Scene) -> None:
     """Fetch from CoolProp once the data that the cases of a sweep need, so that no worker imports it."""
-    asked = (path for path in scene.sweep if path.startswith(("operation.", "gas.")) and path != "operation.speed")
+    asked = (path for path in scene.sweep if path.startswith(("operation.", "gas.")) and path != SPEED)
     conditions = with_sweep_over(scene, asked)
     for index in range(min(case_count(conditions), MOST_PREPARED) if conditions.sweep else 0):
         one = case(conditions, index)

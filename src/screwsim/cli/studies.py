@@ -250,12 +250,12 @@ def calibrate(
     from screwsim.results.atomic import make_folder
     from screwsim.study.calibration import calibrate as calibrated
     from screwsim.study.calibration import cost_in_words, read_fit
-    from screwsim.study.calibration.posterior import refuse_pressures
+    from screwsim.study.calibration.posterior import refuse_curves
     from screwsim.study.calibration.predict import points_to_predict, posterior_with_predictions
 
     fit = read_fit(fit_file)
     if posterior or predict is not None:
-        refuse_pressures(fit)
+        refuse_curves(fit)
     asked = () if predict is None else points_to_predict(fit, predict, "--predict")
     if folder is not None:
         make_folder(folder)

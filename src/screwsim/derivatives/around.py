@@ -19,11 +19,12 @@ from screwsim.effects.base import PressureLosses
 from screwsim.evaluate.evaluation import Evaluation
 from screwsim.machine.drive.response import NoMotion, Response
 from screwsim.scene import Scene, with_values
+from screwsim.scene.operation import SPEED
 from screwsim.solve.surroundings import KPA, implied_surroundings, unknowns_of
 
 Array = np.ndarray
 SIZE = 100.0  # [K, kPa] that a coordinate is shifted relative to
-SPEED, SPEED_SCALE = "operation.speed", 100.0  # [K] of the speed's coordinate that make a factor e of it
+SPEED_SCALE = 100.0  # [K] of the speed's coordinate that make a factor e of it
 
 
 def speed_follows(problem: Problem) -> bool:

@@ -42,15 +42,16 @@ from screwsim.effects.parts.readings import Around, Drawn, Given, Plenum, PowerL
 from screwsim.effects.parts.usual import Sized, Usual
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import MachineKind
+from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 from screwsim.outputs import Figure, Trace
 
 __all__ = [  # all that an effect's file imports
     "DISCHARGE", "GAS", "LINES", "NEIGHBOUR", "NOZZLE", "OIL", "SUCTION", "Around", "Bounds", "ChamberState",
-    "CoolsOil", "Drawn", "Effect", "Faults", "FlowKind", "FlowPath", "Given", "HeatRate", "InSeparator", "Law",
-    "LineFlow", "LineLeak", "LosesPressure", "Made", "OilContent", "OilGas", "OilPort", "OilRoom", "OilSolution",
-    "OilThinning", "Part", "PathStream", "Plenum", "PowerLoss", "PressureLosses", "Pulsation", "Reading",
-    "Resistance", "Scaled", "Separator", "Shaft", "Site", "Sized", "Sought", "Span", "Stops", "SuctionChange",
-    "SuctionHeat", "SuctionLine", "Turn", "Usual", "Wall",
+    "CoolsOil", "Drawn", "Effect", "Faults", "FeedbackUnknown", "FlowKind", "FlowPath", "Given", "HeatRate",
+    "InSeparator", "Law", "LineFlow", "LineLeak", "LosesPressure", "Made", "OilContent", "OilGas", "OilPort", "OilRoom",
+    "OilSolution", "OilThinning", "Part", "PathStream", "Plenum", "PowerLoss", "PressureLosses", "Pulsation",
+    "Reading", "Resistance", "Scaled", "Separator", "Shaft", "Site", "Sized", "Sought", "Span", "Stops",
+    "SuctionChange", "SuctionHeat", "SuctionLine", "Turn", "Usual", "Wall",
 ]  # fmt: skip
 
 Faults = Iterator[Fault]  # of an effect's `check`

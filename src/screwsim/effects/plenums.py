@@ -22,13 +22,23 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from screwsim.effects.base import DISCHARGE, LINES, Effect, Faults, LineFlow, Made, Pulsation, Reading, Turn
+from screwsim.effects.base import (
+    DISCHARGE,
+    LINES,
+    Effect,
+    Faults,
+    FeedbackUnknown,
+    LineFlow,
+    Made,
+    Pulsation,
+    Reading,
+    Turn,
+)
 from screwsim.effects.parts import line_valve
 from screwsim.effects.parts.line_valve import Valve
 from screwsim.inputs.declare import count, number, optional
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import PORTS
-from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 from screwsim.outputs import Figure, Trace, names_of, over
 
 Array = np.ndarray

@@ -16,14 +16,13 @@ rotor_temperature, housing_temperature.
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from screwsim.effects.base import Effect, Faults, Made, Reading, Scaled, Site, Turn
+from screwsim.effects.base import Effect, Faults, FeedbackUnknown, Made, Reading, Scaled, Site, Turn
 from screwsim.effects.parts.usual import Sized
 from screwsim.effects.wall_heat import LUMPS, fixed_temperature
 from screwsim.effects.wall_heat import NAME as WALLS
 from screwsim.inputs.declare import choice, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, ROTORS, SPAN
-from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 from screwsim.outputs import Figure, names_of
 
 NAME = "thermal_clearances"

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from screwsim.effects.base import Around, Effect, Faults, Made, Reading, Site, Turn, Wall
+from screwsim.effects.base import Around, Effect, Faults, FeedbackUnknown, Made, Reading, Site, Turn, Wall
 from screwsim.effects.parts.gas_transport import (
     declared_gas_conductivity,
     declared_gas_viscosity,
@@ -27,7 +27,6 @@ from screwsim.effects.parts.usual import Sized
 from screwsim.inputs.declare import number, optional, quantity
 from screwsim.inputs.faults import Fault
 from screwsim.machine.protocol import DIAMETER, ROTORS, SHELL
-from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 from screwsim.numerics.kernel import kernel
 from screwsim.outputs import WALLED, Figure, names_of, power_figure
 

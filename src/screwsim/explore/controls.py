@@ -19,6 +19,7 @@ from screwsim.machine import protocol
 from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene import Scene, value_at
 from screwsim.scene.fields import Leaf
+from screwsim.scene.operation import SPEED
 from screwsim.scene.types import Tolerance
 from screwsim.scene.units import Refused, customary_unit, parse_quantity
 from screwsim.scene.values import limits_text
@@ -198,17 +199,14 @@ def _around(leaf: Leaf, value: float) -> tuple[float, float, bool]:
     return (-size, size, False) if value < 0.0 else (0.0, size, False)
 
 
-_SPEED = "operation.speed"
-
-
 def presets(base: SceneArguments) -> list[dict[str, Any]]:
     """Return useful sets of changes, if the scene has the changed values and allows the changes."""
     scene = base.scene
     gaps = [name for name, active in scene.effects.items() if active.effect.needs.intersection(protocol.GAPS)]
     clearances = [f"effects.{name}.gap" for name in gaps if hasattr(scene.effects[name].parameters, "gap")]
     found = [
-        _scaled(scene, "half the speed", [_SPEED], 0.5),
-        _scaled(scene, "twice the speed", [_SPEED], 2.0),
+        _scaled(scene, "half the speed", [SPEED], 0.5),
+        _scaled(scene, "twice the speed", [SPEED], 2.0),
         _scaled(scene, "gaps half as wide", clearances, 0.5),
         _scaled(scene, "gaps twice as wide", clearances, 2.0),
         {"words": "no gaps", "set": {}, "effects": dict.fromkeys(gaps, False)},

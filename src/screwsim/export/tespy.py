@@ -19,9 +19,8 @@ from screwsim.inputs.faults import UsageError
 from screwsim.outputs.customary import in_celsius
 from screwsim.results import Results
 from screwsim.scene import Scene, lines
-from screwsim.scene.derived_values import SPEED
 from screwsim.scene.grid import case, case_count, joints_of
-from screwsim.scene.operation import EVAPORATING, SUBCOOLING
+from screwsim.scene.operation import EVAPORATING, SPEED, SUBCOOLING
 from screwsim.study.asked.varied import Varied
 from screwsim.study.maps.performance_map import temperature_paths
 

@@ -16,7 +16,7 @@ from typing import Any
 from screwsim.effects import catalogue, having, imported
 from screwsim.effects.base import Effect, PowerLoss, Reading, SuctionChange
 from screwsim.effects.parts.oil import oil_in_chambers
-from screwsim.figures.indicated import pressure_figure
+from screwsim.figures.curves import known_traces, reading_figure, trace_variable
 from screwsim.fluid.composition import is_blend
 from screwsim.inputs.faults import ImpossibleValue, UsageError
 from screwsim.model.parts import Parts
@@ -33,10 +33,9 @@ from screwsim.outputs.core import (
     WALLED,
     WETTED,
 )
-from screwsim.outputs.declared import ITSELF, TIMES, Figure, Scale, Variable
+from screwsim.outputs.declared import ITSELF, TIMES, Figure, Scale
 from screwsim.outputs.display import ShownFigure
 from screwsim.outputs.figures import ListedFigures, shown_of
-from screwsim.outputs.variables import CYCLE, cycle_variable
 from screwsim.scene.lines import saturates
 from screwsim.scene.types import ActiveEffect, Scene
 
@@ -94,10 +93,10 @@ def known() -> dict[str, Figure]:
 def declaration(name: str, figures: Any = None) -> Figure | None:
     """Return the declaration of a figure: of the results `figures`, of this program, or of an imported user effect.
 
-    Those of this program include the figures that only two stages have, and pressures at angles.
+    Those of this program include the figures that only two stages have, and curves at angles.
     """
     about: Mapping[str, Figure] = getattr(figures, "about", {})
-    found = about.get(name) or known().get(name) or STAGES.get(name) or pressure_figure(name)
+    found = about.get(name) or known().get(name) or STAGES.get(name) or reading_figure(name)
     if found is None:
         found = next((each for effect in imported().values() for each in effect.figures if each.name == name), None)
     return found
@@ -110,22 +109,6 @@ def declared(name: str, figures: Any = None) -> Figure:
         where = "no entry in screwsim.outputs, and no effect declares it"
         raise ValueError(f"performance.{name} has {where} (add its unit and meaning there)")
     return about
-
-
-@cache
-def known_traces() -> dict[str, Variable]:
-    """Return the curves of a cycle that the core and the effects of the catalogue declare."""
-    return CYCLE | _traces(catalogue())
-
-
-def trace_variable(name: str) -> Variable:
-    """Return unit and meaning of a curve of a cycle; without a declaration, those of a plain number."""
-    return known_traces().get(name) or _traces(imported()).get(name) or cycle_variable(name)
-
-
-def _traces(effects: Mapping[str, Effect]) -> dict[str, Variable]:
-    every = (each for effect in effects.values() for each in effect.traces)
-    return {each.name: Variable(each.units, each.long_name) for each in every}
 
 
 def needs_of(name: str) -> str:

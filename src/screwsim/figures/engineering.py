@@ -3,9 +3,12 @@
 The same table serves the screen, the figures and the page.
 """
 
+import re
+
 from screwsim.figures import declared
 from screwsim.outputs import EFFICIENCY, Figure
 from screwsim.outputs.customary import SCALES, ZERO_CELSIUS, digits, printed_celsius
+from screwsim.outputs.display import si_unit
 
 
 def shown_name(name: str) -> str:
@@ -18,7 +21,12 @@ def figure_scales(figure: Figure) -> tuple[tuple[float, float, str], ...]:
     """Return (smallest size, factor, unit) of a performance figure, largest size first; K stays K."""
     if figure.units == "1":
         return ((0.0, 100.0, "%"),) if figure.scale == EFFICIENCY else ((0.0, 1.0, ""),)
-    return SCALES.get(figure.shown or figure.units, ((0.0, 1.0, figure.units),))
+    return SCALES.get(figure.shown or figure.units) or ((0.0, 1.0, printed_unit(figure.units)),)
+
+
+def printed_unit(units: str) -> str:
+    """Return a unit in CF style as it is printed beside customary ones: 'W m-2' gives W/m²."""
+    return re.sub(r"(?<=[A-Za-z])([23])\b", lambda found: "²³"[int(found[1]) - 2], si_unit(units))
 
 
 def engineering(figure: Figure | str, value: float) -> tuple[str, str]:
@@ -40,7 +48,8 @@ def figure_text(figure: Figure | str, value: float) -> str:
 
 def figure_unit(figure: Figure, size: float) -> tuple[float, str]:
     """Return the factor and unit in which people write a performance figure of a given size [SI]; K stays K."""
-    return next(((f, u) for least, f, u in figure_scales(figure) if abs(size) >= least), (1.0, figure.units))
+    found = ((factor, unit) for least, factor, unit in figure_scales(figure) if abs(size) >= least)
+    return next(found, (1.0, printed_unit(figure.units)))
 
 
 def difference_unit(figure: Figure, size: float) -> tuple[float, str]:

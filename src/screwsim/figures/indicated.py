@@ -1,13 +1,7 @@
-"""Chamber pressures that were measured over angle or volume: their files, and each as a figure of the cycle.
-
-A pressure at an angle has a figure's name, `pressure_at_600_deg`, so that a fit reads it beside flow and power. The
-program computes it from the stored cycle only where a fit asks for it: no other result has such a figure.
-"""
+"""Files of pressures that were measured over angle or volume."""
 
 import os
 import re
-from collections.abc import Iterable
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +9,6 @@ import numpy as np
 from screwsim.inputs.declare import KINDS
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import read_sheet, sheet_or_usage_error
-from screwsim.outputs import Figure, Result, over
 from screwsim.scene.units import Refused, parse_quantity
 
 ANGLE_COLUMN = "angle_deg"
@@ -25,7 +18,6 @@ CUBIC_METRES = {"cm3": 1e-6, "mm3": 1e-9, "l": 1e-3, "m3": 1.0}
 _EXAMPLE = "write angle_deg,pressure_bar or volume_cm3,pressure_bar; absolute pressures, also _kPa, _MPa or _Pa"
 _BRACKETED = re.compile(r"(angle|pressure|volume)\s*\[([^\]]+)\]")  # the other way to write a head: angle [deg]
 _PLAIN = str.maketrans({"^": "", "³": "3", "°": "deg", " ": ""})
-_FIGURE = re.compile(r"pressure_at_(\d+(?:\.\d+)?)_deg")
 
 
 class Indicated(NamedTuple):
@@ -81,43 +73,3 @@ def _point(where: str, line: int, cells: tuple[str, ...], unit: str) -> tuple[fl
         what = f"{cells[1]} {unit} is not an absolute pressure"
         raise UsageError(f"{where}: line {line}: {what} (add the ambient pressure)")
     return angle, pressure
-
-
-def pressure_at(angle: float) -> str:
-    """Return the name of the chamber's pressure at an angle [degree], rounded to a millionth, as a figure."""
-    return f"pressure_at_{np.format_float_positional(round(angle, 6) + 0.0, trim='-')}_deg"
-
-
-def angle_of(figure: str) -> float | None:
-    """Return the angle [degree] of a figure that is a pressure at an angle; None for any other."""
-    found = _FIGURE.fullmatch(figure)
-    return None if found is None else float(found[1])
-
-
-def pressure_figure(name: str) -> Figure | None:
-    """Return the declaration of a pressure at an angle; None for any other name."""
-    angle = angle_of(name)
-    if angle is None or name != pressure_at(angle):
-        return None
-    return Figure(name, "Pa", f"chamber pressure at {angle:g} degrees", over("peak_pressure", alone=True))
-
-
-def with_pressures(result: Result, names: Iterable[str]) -> Result:
-    """Return a result with those of its figures that are pressures at angles, read from its cycle.
-
-    They are linear between the samples of the cycle, a degree apart. One beyond the life of the chamber is null, with
-    its reason among the notes.
-    """
-    asked = {name: angle for name in names if (angle := angle_of(name)) is not None}
-    if not asked or "pressure" not in result.cycle:
-        return result
-    angles, pressures = result.cycle["angle"], result.cycle["pressure"]
-    first, last = float(angles[0]), float(angles[-1])
-    figures, notes = result.performance.copy(), dict(result.notes)
-    for name, angle in asked.items():
-        if first <= angle <= last:
-            figures[name] = float(np.interp(angle, angles, pressures))
-        else:
-            figures[name] = None
-            notes[name] = f"{angle:g} deg is outside the cycle's {first:g} to {last:g} deg"
-    return replace(result, performance=figures, notes=notes)

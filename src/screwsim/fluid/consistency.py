@@ -8,10 +8,8 @@ Source: T ds = du + p d(1/ρ), Maxwell's relation, k = ρ c²/p with c² = ∂p/
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
-from screwsim.fluid.gas import Gas
-from screwsim.numerics.kernel import Kernel
+from screwsim.fluid.gas import Gas, kernel_value
 
 STEP = 1e-4  # relative step of a central difference
 SLACK = 1e-3  # largest relative difference of quantities that must be equal
@@ -40,12 +38,6 @@ def _pairs(gas: Gas, p_s: float, T_s: float, p_d: float) -> Iterator[Pair]:
     ideal = gas.R * T_s * math.log(p_d / p_s)
     yield "its ideal_isothermal_work [J/kg]", gas.ideal_isothermal_work(p_s, p_d, T_s), ideal, 0.0
     yield from _state(gas, p_d, T_d)
-
-
-def kernel_value(gas: Gas, kernel: Kernel, T: float, rho: float) -> Any:
-    """Return what a kernel of a gas gives at T [K] and ρ [kg/m³], in plain Python."""
-    named = {"T": T, "rho": rho, **gas.values}
-    return kernel(*(named[name] for name in kernel.arguments))
 
 
 def _state(gas: Gas, p: float, T: float) -> Iterator[Pair]:

@@ -234,3 +234,9 @@ class Gas(CommonGas, Protocol):
     def why_outside(self, T: float, rho: float) -> Outside | None:
         """Return which limit of its equation a state violates; None where it violates none."""
         ...
+
+
+def kernel_value(gas: Gas, kernel: Kernel, T: float, rho: float) -> Any:
+    """Return what a kernel of a gas gives at T [K] and ρ [kg/m³], in plain Python."""
+    named = {"T": T, "rho": rho, **gas.values}
+    return kernel(*(named[name] for name in kernel.arguments))

@@ -7,48 +7,54 @@ from typing import Any
 import numpy as np
 
 from screwsim.figures import declared
+from screwsim.figures.curves import Reading, reading_of
 from screwsim.figures.engineering import difference_unit, reading_unit, shown_name
-from screwsim.figures.indicated import angle_of, pressure_at
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs.customary import digits
 from screwsim.outputs.display import grouped
 from screwsim.printing.tables import plain_table
-from screwsim.report.calibration import PREDICTED, FittedPressures, pressures_figure, residuals_figure
+from screwsim.report.calibration import PREDICTED, FittedCurve, curves_figure, residuals_figure
+from screwsim.report.quantities import shown_curve
 from screwsim.study.calibration.solve import Calibration, ComparedMeasurement
 
-RESIDUALS, PRESSURES = "residuals", "pressures"  # names of the pictures
-MOST_ANGLES = 6  # pressures of a point that have a line each; more have one together
-MOST_PANELS = 12  # points whose pressures are drawn
+RESIDUALS = "residuals"  # name of the picture; those of curves have the names of these
+MOST_ANGLES = 6  # values of a point's curve that have a line each; more have one together
+MOST_PANELS = 12  # points whose values of a curve are drawn
 
 Compared = Sequence[ComparedMeasurement]
 
 
 def lines_of_points(compared: Compared) -> list[str]:
-    """Return the table of measured and computed figures; many pressures of a point have one line."""
-    rows, together = [], False
+    """Return the table of measured and computed figures; many values of a curve of a point have one line."""
+    rows, together = [], {}
     for of in _by_point(compared):
-        pressures = _pressures(of)
-        many = len(pressures) > MOST_ANGLES
-        rows += [_row(each) for each in of if not (many and each in pressures)]
-        rows += [_row_of_many(pressures)] if many else []
+        many = {curve: values for curve, values in _curves(of).items() if len(values) > MOST_ANGLES}
+        rows += [_row(each) for each in of if not any(each in values for values in many.values())]
+        rows += [_row_of_many(curve, values) for curve, values in many.items()]
         together |= many
     lines = plain_table(["point", "figure", "measured", "± (k=1)", "fitted", "", "residual /±"], rows, 2)
     if together:
-        lines.append("of pressures: root mean squares of fitted minus measured, and of the residuals")
+        names = " and ".join(map(_plural, together))
+        lines.append(f"of {names}: root mean squares of fitted minus measured, and of the residuals")
     if not all(each.point.fitted for each in compared):
         lines.append("* not fitted, only predicted")
     return lines
 
 
 def pictures(found: Calibration) -> dict[str, Callable[[], Any]]:
-    """Return what draws the residuals of the figures, and measured pressures beside the fitted ones."""
-    figures = [each for each in found.compared if angle_of(each.figure) is None]
+    """Return what draws the residuals of the figures, and measured curves beside the fitted ones, each by its name."""
+    figures = [each for each in found.compared if reading_of(each.figure) is None]
     names = [point.name for point in found.fit.points if any(each.point is point for each in figures)]
     plans: dict[str, Callable[[], Any]] = {}
     if figures:
         plans[RESIDUALS] = partial(residuals_figure, _panels(figures, names), names)
-    drawn = [each for each in map(_drawn, _by_point(found.compared)) if each is not None]
-    if drawn:
-        plans[PRESSURES] = partial(pressures_figure, drawn[:MOST_PANELS], len(drawn) - len(drawn[:MOST_PANELS]))
+    every = [(curve, values) for of in _by_point(found.compared) for curve, values in _curves(of).items()]
+    for curve, points in grouped(every).items():
+        drawn = [each for each in map(_drawn, points) if each is not None]
+        if drawn:
+            shown = shown_curve(curve, max(float(np.max(np.abs(each.measured))) for each in drawn))
+            plan = partial(curves_figure, shown, drawn[:MOST_PANELS], max(0, len(drawn) - MOST_PANELS))
+            plans[_plural(curve).replace(" ", "_")] = plan
     return plans
 
 
@@ -56,10 +62,22 @@ def _by_point(compared: Compared) -> list[Compared]:
     return list(grouped((each.point.name, each) for each in compared).values())
 
 
-def _pressures(of: Compared) -> list[ComparedMeasurement]:
-    """Return the pressures at angles of a point, by angle."""
-    found = [(angle, each) for each in of if (angle := angle_of(each.figure)) is not None]
-    return [each for _, each in sorted(found, key=lambda pair: pair[0])]
+def _curves(of: Compared) -> dict[str, list[ComparedMeasurement]]:
+    """Return {curve: its values at angles} of a point, by angle."""
+    found = grouped((reading.curve, each) for each in of if (reading := reading_of(each.figure)) is not None)
+    return {curve: sorted(values, key=_angle) for curve, values in found.items()}
+
+
+def _angle(each: ComparedMeasurement) -> float:
+    """Return the angle [degree] at which a value of a curve was measured."""
+    reading = reading_of(each.figure)
+    assert reading is not None
+    return reading.angle
+
+
+def _plural(curve: str) -> str:
+    """Return the word for values of a curve."""
+    return counted(2, shown_name(curve)).partition(" ")[2]
 
 
 def _row(each: ComparedMeasurement) -> list[str]:
@@ -71,18 +89,18 @@ def _row(each: ComparedMeasurement) -> list[str]:
     return [_name(each), shown_name(each.figure), measured, own, ours, unit, residual]
 
 
-def _row_of_many(pressures: Compared) -> list[str]:
-    """Return the line of many pressures of a point: root mean squares, those without a solution left out."""
-    factor, unit, _ = reading_unit(declared(pressure_at(0.0)), max(each.measured.value for each in pressures))
-    first, last = (angle_of(pressures[end].figure) for end in (0, -1))
-    words = f"{len(pressures)} pressures, {first:g} … {last:g} deg"
-    own = f"{factor * float(np.median([each.measured.uncertainty for each in pressures])):.2g}"
-    off = np.array([each.ours - each.measured.value for each in pressures if each.ours is not None])
+def _row_of_many(curve: str, values: Compared) -> list[str]:
+    """Return the line of many values of a point's curve: root mean squares, those without a solution left out."""
+    about = declared(Reading(curve, 0.0).figure)
+    factor, unit = difference_unit(about, max(each.measured.value for each in values))
+    words = f"{len(values)} {_plural(curve)}, {_angle(values[0]):g} … {_angle(values[-1]):g} deg"
+    own = f"{factor * float(np.median([each.measured.uncertainty for each in values])):.2g}"
+    off = np.array([each.ours - each.measured.value for each in values if each.ours is not None])
     if not off.size:
-        return [_name(pressures[0]), words, "", own, "none", unit, ""]
-    over = np.array([each.residual for each in pressures if each.residual is not None])
+        return [_name(values[0]), words, "", own, "none", unit, ""]
+    over = np.array([each.residual for each in values if each.residual is not None])
     rms = [float(np.sqrt(np.mean(each**2))) for each in (factor * off, over)]
-    return [_name(pressures[0]), words, "", own, f"{rms[0]:.2g}", unit, f"{rms[1]:.2f}"]
+    return [_name(values[0]), words, "", own, f"{rms[0]:.2g}", unit, f"{rms[1]:.2f}"]
 
 
 def _name(each: ComparedMeasurement) -> str:
@@ -103,15 +121,15 @@ def _panels(compared: Compared, names: Sequence[str]) -> dict[str, list[tuple[in
     return panels
 
 
-def _drawn(of: Compared) -> FittedPressures | None:
-    """Return the pressures of a point for a picture; None where it has none with a solution."""
-    solved = [(each, each.ours) for each in _pressures(of) if each.ours is not None]
+def _drawn(values: Compared) -> FittedCurve | None:
+    """Return the values of a point's curve for a picture; None where none has a solution."""
+    solved = [(each, each.ours) for each in values if each.ours is not None]
     if not solved:
         return None
     angles, measured, width, ours = (
-        np.array([angle_of(each.figure) for each, _ in solved], float),
+        np.array([_angle(each) for each, _ in solved]),
         np.array([each.measured.value for each, _ in solved]),
         np.array([each.measured.uncertainty for each, _ in solved]),
         np.array([value for _, value in solved]),
     )
-    return FittedPressures(_name(solved[0][0]), angles, measured, width, ours)
+    return FittedCurve(_name(solved[0][0]), angles, measured, width, ours)

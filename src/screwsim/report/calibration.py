@@ -8,7 +8,7 @@ import numpy as np
 
 from screwsim.report import style
 from screwsim.report.indicated import look_of_measured
-from screwsim.report.quantities import PRESSURE
+from screwsim.report.quantities import Display
 from screwsim.report.style import COLOURS, DOUBLE, GREY, SINGLE, note, plain_ticks
 
 BINS, FINE = 40, 28  # bins of a parameter, of each of a pair
@@ -45,8 +45,8 @@ def residuals_figure(panels: Mapping[str, Sequence[ResidualPoint]], names: Seque
     return figure
 
 
-class FittedPressures(NamedTuple):
-    """Pressures [Pa] of a point over the angle [degree]: measured, their standard uncertainties, and fitted."""
+class FittedCurve(NamedTuple):
+    """Values [SI] of a point's curve over the angle [degree]: measured, their standard uncertainties, and fitted."""
 
     name: str
     angle: np.ndarray
@@ -55,20 +55,20 @@ class FittedPressures(NamedTuple):
     fitted: np.ndarray
 
 
-def pressures_figure(points: Sequence[FittedPressures], left_out: int = 0) -> Any:
-    """Draw the pressures of each point over the angle, fitted and measured; `left_out` points have no panel."""
+def curves_figure(shown: Display, points: Sequence[FittedCurve], left_out: int = 0) -> Any:
+    """Draw the values of a curve at each point over the angle, fitted and measured; `left_out` have no panel."""
     columns = min(2, len(points))
     figure, places = style.panels(len(points), 0.0, HEIGHT, columns, DOUBLE if columns == 2 else 1.4 * SINGLE)
     for axes, each in zip(places, points, strict=True):
-        axes.plot(each.angle, PRESSURE.factor * each.fitted, color="black", label="fitted")
+        axes.plot(each.angle, shown.of(each.fitted), color="black", label="fitted")
         axes.errorbar(
             each.angle,
-            PRESSURE.factor * each.measured,
-            yerr=PRESSURE.factor * each.uncertainty,
+            shown.of(each.measured),
+            yerr=shown.factor * each.uncertainty,
             elinewidth=0.6,
             **look_of_measured(len(each.angle)),
         )
-        axes.set(ylabel=PRESSURE.label, xlabel="angle (°)", title=each.name)
+        axes.set(ylabel=shown.label, xlabel="angle (°)", title=each.name)
         plain_ticks(axes.xaxis, axes.yaxis)
     places[0].legend(loc="upper left")
     predicted = "*: not fitted, only predicted" if any(each.name.endswith(PREDICTED) for each in points) else ""

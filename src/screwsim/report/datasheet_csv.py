@@ -23,7 +23,6 @@ DIGITS = 6  # significant digits of a number
 STAGE = re.compile("^(first|second)_")  # before the operating state of one of two stages
 OPERATION = "operation."  # before the path of an axis
 OUTLET, FLOW = "outlet_pressure", "flow"  # of the points of an air package at other outlet pressures
-AT_PRESSURES = ("full_flow", "lowest_flow", "geared")
 SEPARATOR = "; "  # between limits, and between warnings
 
 
@@ -54,10 +53,10 @@ def _points(document: Mapping[str, Any]) -> Sequence[Mapping[str, Any]]:
         return document["points"]
     own = [{OUTLET: document["discharge_pressure"], **point} for point in document["points"]]
     return own + [
-        {OUTLET: each[OUTLET], FLOW: name.replace("_", " "), **each[name]}
+        {OUTLET: each[OUTLET], FLOW: name.replace("_", " "), **point}
         for each in others
-        for name in AT_PRESSURES
-        if name in each
+        for name, point in each.items()
+        if isinstance(point, Mapping)
     ]
 
 

@@ -12,9 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.build import build_parts
-from screwsim.fluid.consistency import kernel_value
 from screwsim.fluid.dome import numbers, saturation_kernels
-from screwsim.fluid.gas import Gas
+from screwsim.fluid.gas import Gas, kernel_value
 from screwsim.fluid.real_gas import RealGas
 from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.report.annotate import label_points

@@ -14,10 +14,10 @@ from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.schema import Axis
 from screwsim.results.table import TOGETHER
 from screwsim.results.warning_kinds import cases_with_warnings
-from screwsim.scene.operation import is_condition
+from screwsim.scene.operation import SPEED, is_condition
 from screwsim.scene.types import COVERAGE
 
-SPEED, RATIO, FLUID = "operation.speed", "oil_supply.ratio", "gas.fluid"
+RATIO, FLUID = "oil_supply.ratio", "gas.fluid"
 FEWEST = 2  # least number of points of a curve
 _ARC = 41  # points of a drawn parabola
 _SHORT_HEADING = 12  # longest heading, in characters, above numeric labels

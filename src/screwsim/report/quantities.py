@@ -8,7 +8,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.figures import declared
+from screwsim.figures.curves import Reading
 from screwsim.figures.engineering import figure_scales, shown_name
+from screwsim.outputs import Figure
 from screwsim.outputs.customary import RPM, ZERO_CELSIUS, scale
 from screwsim.results import Results
 from screwsim.results.read import STAGES
@@ -131,11 +134,21 @@ def shown_figure(results: Results, name: str) -> Display:
         of_shaft = name == "cop" and "electrical_cop" in results.performance
         return _RATIOS[name]._replace(words="COP of the shaft power") if of_shaft else _RATIOS[name]
     words, symbol = shown_name(name), _SYMBOLS.get(name, "")
-    about = results.figure(name)
-    if about.units == "K":
-        return celsius(words, symbol)
     values = results.performance[name]
     largest = float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
+    return _shown(results.figure(name), words, symbol, largest)
+
+
+def shown_curve(name: str, largest: float) -> Display:
+    """Return the display of a curve of the cycle whose largest size [SI] is given."""
+    if name == "pressure":
+        return PRESSURE
+    return _shown(declared(Reading(name, 0.0).figure), shown_name(name), "", largest)
+
+
+def _shown(about: Figure, words: str, symbol: str, largest: float) -> Display:
+    if about.units == "K":
+        return celsius(words, symbol)
     factor, unit = next((factor, unit) for least, factor, unit in figure_scales(about) if largest >= least)
     return Display(words, symbol, unit, factor)
 

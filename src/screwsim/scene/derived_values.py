@@ -10,9 +10,8 @@ from screwsim.inputs.declare import Derived, is_derived
 from screwsim.inputs.faults import Fault, given_twice
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.settings import TwinScrew
+from screwsim.scene.operation import SPEED, TIP_SPEED
 from screwsim.scene.types import Scene
-
-SPEED, TIP_SPEED = "operation.speed", "operation.tip_speed"
 
 
 def with_derived_values(scene: Scene, changed: Iterable[str] = ("machine", "operation")) -> Scene:

@@ -11,12 +11,13 @@ from typing import Any
 
 from screwsim.inputs.suggestions import nearest
 from screwsim.outputs.customary import RPM, ZERO_CELSIUS
+from screwsim.scene.operation import SPEED
 from screwsim.scene.values import shown
 from screwsim.scene.yaml_tree import LocatedFaults, Node, child_of
 
 BLOCK, MODEL = "uncertainty", "model"
 FILE = "model_errors.json"
-SPEED, RATIO, SIZE = "operation.speed", "pressure_ratio", "displacement"
+RATIO, SIZE = "pressure_ratio", "displacement"
 TEMPERATURES = ("evaporating_temperature", "condensing_temperature")
 CONDITION_WORDS = {
     "machine.kind": "machine",

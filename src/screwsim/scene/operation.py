@@ -14,6 +14,7 @@ from screwsim.scene.lines import lines, refrigerating_effect
 from screwsim.scene.types import Scene
 from screwsim.scene.units import readable_quantity
 
+SPEED, TIP_SPEED = "operation.speed", "operation.tip_speed"
 EVAPORATING, CONDENSING = "operation.evaporating_temperature", "operation.condensing_temperature"
 SUPERHEAT, SUBCOOLING = "operation.superheat", "operation.subcooling"
 P_S, P_D = "operation.suction.pressure", "operation.discharge.pressure"
@@ -25,7 +26,7 @@ QUALITY = "operation.suction.quality"
 STATE_PATHS = ("gas.fluid", "gas.mass_fractions", "gas.mole_fractions", "operation")  # paths on which the states depend
 TEMPERATURES = (EVAPORATING, CONDENSING, SUPERHEAT, SUBCOOLING, GAS_COOLER)  # one way to state the lines
 PRESSURES = (P_S, P_D, T_S, SUPERHEAT_S)  # the other way
-CHOSEN = "operation.speed", "operation.tip_speed", GAS_COOLER_P  # under `operation`, yet chosen to suit conditions
+CHOSEN = SPEED, TIP_SPEED, GAS_COOLER_P  # under `operation`, yet chosen to suit conditions
 COUNTERPART = {
     P_S: EVAPORATING,
     P_D: CONDENSING,

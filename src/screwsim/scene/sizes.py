@@ -19,6 +19,7 @@ from screwsim.machine.protocol import MachineKind, Size, Speed
 from screwsim.numerics.identity_cache import IdentityCache
 from screwsim.outputs.customary import RPM
 from screwsim.scene.fields import value_at
+from screwsim.scene.operation import SPEED
 from screwsim.scene.types import Scene
 from screwsim.scene.units import readable_quantity
 
@@ -68,7 +69,7 @@ def size_faults(scene: Scene) -> Iterator[Fault]:
             f"{_in_words(scene, fast, known)}, and no machine withstands {known.most:g} m/s (choose a lower speed; "
             f"{known.why})"
         )
-        yield Fault("operation.speed", what)
+        yield Fault(SPEED, what)
 
 
 def area_fault(scene: Scene, largest: float) -> str | None:
@@ -88,7 +89,7 @@ def size_warnings(scene: Scene) -> Iterator[tuple[str, str]]:
     with_oil = None if scene.oil_supply is None else known.with_oil
     usual, when = (known.usual, "usual") if with_oil is None else (with_oil, "usual with oil")
     if fast > usual:
-        yield "operation.speed", f"{_in_words(scene, fast, known)} ({when}: at most {usual:g} m/s)"
+        yield SPEED, f"{_in_words(scene, fast, known)} ({when}: at most {usual:g} m/s)"
 
 
 _FaultsAndWarnings = tuple[tuple[Fault, ...], tuple[tuple[str, str], ...]]

@@ -12,7 +12,7 @@ from screwsim.effects import catalogue
 from screwsim.scene.axis import OF_WORDS, SPACING, example, read_axis, read_fields
 from screwsim.scene.fields import Leaf, sweep_leaf
 from screwsim.scene.grid import too_many
-from screwsim.scene.operation import GAS_COOLER
+from screwsim.scene.operation import GAS_COOLER, SPEED
 from screwsim.scene.sections import is_off
 from screwsim.scene.types import ActiveEffect, Joint, Sample
 from screwsim.scene.units import Refused
@@ -28,7 +28,6 @@ _FIELDS = {
     "count": Leaf("count", "number of points", dataclasses.MISSING, {"ge": 1, "le": LARGEST_SAMPLE}),
     "seed": Leaf("count", "seed of the random numbers", 0, {"ge": 0}),
 }
-_SPEED = "operation.speed"
 DESIGNS = ("zip", "sample")  # keys of a sweep that are not paths
 
 
@@ -47,7 +46,7 @@ def read_sweep(
 
 
 def read_sweep_of(
-    node: Node | None, leaf_of: LeafOf, problems: LocatedFaults, first: str = _SPEED
+    node: Node | None, leaf_of: LeafOf, problems: LocatedFaults, first: str = SPEED
 ) -> tuple[Axes, tuple[Joint, ...]]:
     """Return the same as `read_sweep` for the inputs that `leaf_of` knows; `first` is an example of a path."""
     if node is None or node.value is None:
@@ -111,7 +110,7 @@ def read_axes(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, d
 
 def read_zip(node: Node, path: str, leaf_of: LeafOf, problems: LocatedFaults, first: str) -> list[tuple[Joint, Axes]]:
     """Return the groups of axes whose values are combined one by one, each with its joint."""
-    remedy = f"write [{{{first}: […], {first.removesuffix(_SPEED)}oil_supply.ratio: […]}}]"
+    remedy = f"write [{{{first}: […], {first.removesuffix(SPEED)}oil_supply.ratio: […]}}]"
     if not isinstance(node.value, list) or not all(isinstance(group.value, dict) for group in node.value):
         problems.add(node.place, path, f"is not a list of mappings ({remedy})")
         return []

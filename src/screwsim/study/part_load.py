@@ -15,9 +15,9 @@ from screwsim.numerics.pchip import Pchip
 from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, with_values, without_sweep
 from screwsim.scene.fields import value_at
+from screwsim.scene.operation import SPEED
 from screwsim.study.pool.parallel import WarmSimulation
 
-SPEED_PATH = "operation.speed"
 LOADS = (1.0, 0.75, 0.5, 0.25)
 SETTING_COUNT = 7  # settings from the scene's own to the control's end, where the scene sweeps none
 SLOWEST_SPEED = 0.2  # of the scene's speed
@@ -29,7 +29,7 @@ Solve = Callable[[float], Result]
 _NONE: Mapping[str, float] = {}
 _NO_RATIO: Mapping[float, str] = {}
 CONTROL_ENDS = {  # path -> (name, setting of least capacity)
-    SPEED_PATH: ("speed", None),
+    SPEED: ("speed", None),
     "machine.slide_valve.position": ("slide valve", 1.0),
     "effects.slide_valve.position": ("slide valve", 1.0),
     "effects.suction_throttle.pressure_ratio": ("suction throttle", 0.2),

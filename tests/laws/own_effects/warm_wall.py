@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from screwsim.effects.base import Effect, Made, Scaled, Turn, Wall
+from screwsim.effects.base import Effect, FeedbackUnknown, Made, Scaled, Turn, Wall
 from screwsim.inputs.declare import number
-from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 from screwsim.numerics.kernel import kernel
 
 

@@ -5,9 +5,21 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from screwsim.effects.base import Drawn, Effect, FlowPath, HeatRate, Made, Plenum, PowerLoss, Reading, Site, Turn, Wall
+from screwsim.effects.base import (
+    Drawn,
+    Effect,
+    FeedbackUnknown,
+    FlowPath,
+    HeatRate,
+    Made,
+    Plenum,
+    PowerLoss,
+    Reading,
+    Site,
+    Turn,
+    Wall,
+)
 from screwsim.inputs.declare import choice, number, quantity
-from screwsim.numerics.feedback_unknowns import FeedbackUnknown
 from screwsim.numerics.kernel import kernel
 
 DEGREE = math.pi / 180.0

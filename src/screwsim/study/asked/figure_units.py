@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 
 from screwsim.figures import declared
-from screwsim.figures.indicated import pressure_figure
+from screwsim.figures.curves import reading_figure
 from screwsim.inputs.declare import KINDS, Kind
 from screwsim.outputs import EFFICIENCY
 from screwsim.outputs.customary import RPM
@@ -51,7 +51,7 @@ MOST_EFFICIENCY = {"figure": 1.5, "uncertainty": 0.5}
 def units_of(figure: str) -> Mapping[str, float]:
     """Return the factors to SI units of the units in which a figure may be stated."""
     si = declared(figure).units
-    return UNITS.get(si, {si: 1.0})
+    return UNITS.get(si, {tidy_unit(si_unit(si)): 1.0, si: 1.0})
 
 
 def bare_percent(figure: str, number: str, kind: str) -> str:
@@ -82,7 +82,7 @@ def quantity_of(figure: str, kind: str, unit: str) -> Kind | None:
     named = [each for each in KINDS.values() if each.si == si]
     absolute = [each for each in named if not each.name.endswith("_difference")]
     differences = [each for each in named if each not in absolute]
-    gauged = figure.endswith("pressure") or pressure_figure(figure) is not None or not differences or si != "Pa"
+    gauged = figure.endswith("pressure") or reading_figure(figure) is not None or not differences or si != "Pa"
     wanted = (absolute if kind == "figure" and gauged else differences or absolute)[:1]
     if wanted and _is_unit_of(wanted[0], unit):
         return wanted[0]

@@ -14,6 +14,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import kind_of
 from screwsim.outputs import Result
 from screwsim.scene import Scene
+from screwsim.scene.operation import SPEED
 from screwsim.scene.sizes import sizes_of
 from screwsim.scene.values import text_of
 from screwsim.study.asked.inputs import check_continuous, ends_of, read_text, refuse_empty_range
@@ -211,7 +212,7 @@ def schema_range(scene: Scene, path: str) -> tuple[float, float] | None:
     for size in (each for each in sizes_of(scene) if each.path == path):
         lows.append(size.usual[0] * size.of(scene.machine))
         highs.append(size.usual[1] * size.of(scene.machine))
-    if path == "operation.speed" and kind.speed is not None:
+    if path == SPEED and kind.speed is not None:
         highs.append(kind.speed.usual / scene.machine.surface_speed(1.0))
     low, high = max(each for each in lows if each is not None), min(each for each in highs if each is not None)
     return min(low, float(value)), max(high, float(value))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.figures import declared, known
-from screwsim.figures.indicated import angle_of, pressure_at
+from screwsim.figures.curves import Reading, reading_of
 from screwsim.fluid import constants
 from screwsim.inputs.declare import Kind
 from screwsim.inputs.faults import UsageError
@@ -40,7 +40,7 @@ from screwsim.study.asked.figure_units import (
     units_of,
 )
 from screwsim.study.calibration.fit import Measurement, Point, odd_uncertainty
-from screwsim.study.calibration.indicator import ANY_PRESSURE, INDICATOR, pressures_of
+from screwsim.study.calibration.indicator import curve_of_files, pressures_of
 
 MOST_POINTS = 10_000  # per fit
 UNCERTAINTY_SUFFIX = "_uncertainty"
@@ -65,7 +65,7 @@ _EXAMPLE = "write e.g. operation.speed [rpm], shaft_power [kW], shaft_power_unce
 
 @dataclass(frozen=True)
 class _Column:
-    """One column: its kind (name, use, figure, uncertainty, path, indicator), what it is of, and its unit.
+    """One column: its kind (name, use, figure, uncertainty, path, file), what it is of, and its unit.
 
     `quantity` is the dimension of a figure whose unit is one that only scenes know, `coverage` how many standard
     uncertainties an uncertainty of the column is; `relative` tells that it is a share of the value.
@@ -81,8 +81,14 @@ class _Column:
 
     @property
     def figure(self) -> str:
-        """The figure whose units the column has: of the pressures of indicators any of them."""
-        return ANY_PRESSURE if self.of == INDICATOR else self.of
+        """The figure whose units the column has: of a curve in files its value at any angle."""
+        return _figure_of(self.of)
+
+
+def _figure_of(column: str) -> str:
+    """Return a figure with the units of a column: of one that names files their curve at any angle."""
+    curve = curve_of_files(column)
+    return column if curve is None else Reading(curve, 0.0).figure
 
 
 def read_points(
@@ -187,7 +193,7 @@ def _columns(
     for (column, place), name in zip(found, names, strict=True):
         if names.count(name) > 1:
             problems.add(place, column.of, "appears twice (remove one column)")
-        value = INDICATOR if column.of == INDICATOR else "figure"
+        value = "figure" if curve_of_files(column.of) is None else "file"
         partner = {value: "uncertainty", "uncertainty": value}.get(column.kind)
         if partner and (partner, column.of) not in names and not (candidates and partner == "figure"):
             other = column.of + UNCERTAINTY_SUFFIX if partner == "uncertainty" else column.of
@@ -202,7 +208,7 @@ def _columns(
     for column, place in found if candidates else ():
         if column.relative:
             problems.add(place, column.of, f"has no value of which {column.unit} are a share (write [1], its own unit)")
-    if not candidates and not any(kind in ("figure", INDICATOR) for kind, _ in names) and not problems:
+    if not candidates and not any(kind in ("figure", "file") for kind, _ in names) and not problems:
         problems.add(cells[0][1], "data", f"has no column of a measured figure (known: {', '.join(_figures(scene))})")
     return found
 
@@ -235,17 +241,18 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str], candidates
     if name in ("name", "use"):
         return _Column(name, name, unit)
     of = name.removesuffix(UNCERTAINTY_SUFFIX)
-    if of == INDICATOR and candidates:
+    filed, figures = curve_of_files(of) is not None, _figures(scene)
+    if filed and candidates:
         raise Refused("is for measured pressures, and nothing is measured here yet (remove it)")
-    if name == INDICATOR:
+    if filed and of == name:
         if unit:
-            raise Refused(f"names files, which state their unit (write {INDICATOR} without [{unit}])")
-        return _Column(INDICATOR, INDICATOR, unit)
-    figure = ANY_PRESSURE if of == INDICATOR else of
-    figures, angle = _figures(scene), angle_of(figure)
-    if angle is not None and figure != pressure_at(angle):
-        raise Refused(f"is not known (write {name.replace(figure, pressure_at(angle))})")
-    if figure in figures or angle is not None:
+            raise Refused(f"names files, which state their unit (write {name} without [{unit}])")
+        return _Column("file", name, unit)
+    figure = _figure_of(of)
+    reading = reading_of(figure)
+    if reading is not None and figure != reading.figure:
+        raise Refused(f"is not known (write {name.replace(figure, reading.figure)})")
+    if figure in figures or reading is not None:
         kind = "uncertainty" if name.endswith(UNCERTAINTY_SUFFIX) else "figure"
         units, unit = units_of(figure), tidy_unit(unit)
         if unit in units or (CELSIUS == unit and units is UNITS["K"] and kind == "figure"):
@@ -287,9 +294,9 @@ def _point(
     row: Row, start: Position, columns: list[tuple[_Column, Position]], problems: LocatedFaults, candidates: bool
 ) -> tuple[Point, Position] | None:
     place, before = start.at(row.line, 1), len(problems)
-    kinds = ("name", "use", "path", "figure", "uncertainty", INDICATOR)
+    kinds = ("name", "use", "path", "figure", "uncertainty", "file")
     found: dict[str, dict[str, Any]] = {kind: {} for kind in kinds}
-    own_pressures: dict[str, Measurement] = {}
+    filed: dict[str, Measurement] = {}
     for (text, at), (column, _) in zip(_cells(row, start), columns, strict=True):
         try:
             value = _value(column, text)
@@ -300,17 +307,17 @@ def _point(
             found[column.kind][column.of] = value
     if len(problems) > before:
         return None
-    if any(column.kind == INDICATOR for column, _ in columns):
-        own = found["uncertainty"].pop(INDICATOR, None)
-        if (file := found[INDICATOR].get(INDICATOR)) is not None:
+    for name in (column.of for column, _ in columns if column.kind == "file"):
+        own = found["uncertainty"].pop(name, None)
+        if (file := found["file"].get(name)) is not None:
             try:
                 if own is None:
                     raise Refused("needs an uncertainty (fill the empty cell)")
-                own_pressures = pressures_of(file, start.folder, own)
-                if both := [name for name in own_pressures if name in found["figure"]]:
+                filed |= (read := pressures_of(curve_of_files(name) or name, file, start.folder, own))
+                if both := [figure for figure in read if figure in found["figure"]]:
                     raise Refused(f"its file has {both[0]}, too (remove it there, or empty the cell)")
             except Refused as refusal:
-                problems.add(place, INDICATOR, str(refusal))
+                problems.add(place, name, str(refusal))
                 return None
     if candidates:
         found["figure"] = {name: found["figure"].get(name, math.nan) for name in found["uncertainty"]}
@@ -328,7 +335,7 @@ def _point(
     if len(problems) > before:
         return None
     measured = {name: Measurement(value, found["uncertainty"][name]) for name, value in found["figure"].items()}
-    measured |= own_pressures
+    measured |= filed
     name = found["name"].get("name") or f"line {place.line}"
     return Point(name, found["path"], measured, found["use"].get("use", True)), place
 
@@ -337,7 +344,7 @@ def _value(column: _Column, text: str) -> Any:
     """Return the value [SI] of a cell, None for an empty cell of a figure; raise `Refused`."""
     if column.kind == "name":
         return text
-    if column.kind == INDICATOR:
+    if column.kind == "file":
         return text or None
     if column.kind == "use":
         if text not in USE_WORDS:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from screwsim.figures.indicated import angle_of
+from screwsim.figures.curves import reading_of
 from screwsim.outputs.display import distinct_words
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.types import COVERAGE
@@ -140,8 +140,8 @@ class Point:
 
     @property
     def traced(self) -> bool:
-        """Whether pressures at angles are measured, which are read from the cycle."""
-        return any(angle_of(name) is not None for name in self.measured)
+        """Whether curves at angles are measured, which are read from the cycle."""
+        return any(reading_of(name) is not None for name in self.measured)
 
 
 @dataclass(frozen=True)

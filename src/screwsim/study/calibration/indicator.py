@@ -1,22 +1,36 @@
-"""Measured chamber pressures among the data of a fit: a file of an indicator for each operating point."""
+"""Measured pressures over the angle among the data of a fit: a file of a transducer for each operating point."""
 
 import os
 
-from screwsim.figures.indicated import IndicatedVolumes, pressure_at, read_indicated
+from screwsim.figures.curves import Reading, declared_trace
+from screwsim.figures.indicated import IndicatedVolumes, read_indicated
 from screwsim.inputs.faults import UsageError
 from screwsim.scene.units import Refused
 from screwsim.scene.values import shown
 from screwsim.study.calibration.fit import Measurement, odd_uncertainty
 
-INDICATOR = "indicator"  # column with the file of a point; its uncertainty has the usual suffix
-ANY_PRESSURE = pressure_at(0.0)  # a figure with the units that pressures at angles have
+INDICATOR, OF = "indicator", "indicator_of_"  # columns of files of the chamber's pressure, and of another curve's
+CHAMBER = "pressure"
 MOST_PRESSURES = 2000  # of a point
 
 
-def pressures_of(file: str, folder: str, uncertainty: float) -> dict[str, Measurement]:
+def curve_of_files(column: str) -> str | None:
+    """Return the curve that the files in a column measure: `indicator`, or `indicator_of_` and a pressure's name.
+
+    None for a column that names no files.
+    """
+    if column == INDICATOR:
+        return CHAMBER
+    curve = column.removeprefix(OF)
+    about = None if curve in (column, CHAMBER) else declared_trace(curve)
+    return curve if about is not None and about.units == "Pa" else None
+
+
+def pressures_of(curve: str, file: str, folder: str, uncertainty: float) -> dict[str, Measurement]:
     """Return the pressures [Pa] of a file, by their figures, with the standard uncertainty [Pa] of each.
 
-    A relative name is one in `folder`. Raise `Refused` where there is no such file, or it does not suit a fit.
+    `curve` is what they measure. A relative name is one in `folder`. Raise `Refused` where there is no such file, or it
+    does not suit a fit.
     """
     path = os.path.join(folder, file)
     if not os.path.isfile(path):
@@ -32,7 +46,7 @@ def pressures_of(file: str, folder: str, uncertainty: float) -> dict[str, Measur
         raise Refused(f"{shown(file)} has {len(read.angle)} pressures (at most {MOST_PRESSURES} are fitted; {remedy})")
     found: dict[str, Measurement] = {}
     for angle, pressure in zip(read.angle.tolist(), read.pressure.tolist(), strict=True):
-        name = pressure_at(angle)
+        name = Reading(curve, angle).figure
         if name in found:
             raise Refused(f"{shown(file)} has {angle:g} deg twice (give the mean of the recorded cycles)")
         if angle < 0.0:

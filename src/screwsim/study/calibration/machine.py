@@ -23,7 +23,7 @@ from screwsim.study.uncertainty.point import slopes_by_inputs
 from screwsim.study.uncertainty.spreads import groups_of
 
 Group = tuple[str, ...]  # paths of correlated inputs, one or more
-NO_DERIVATIVE = "a pressure at an angle has no exact derivative"
+NO_DERIVATIVE = "a curve at an angle has no exact derivative"
 
 
 def unchanged_fit(fit: Fit, simulate: Simulate | None) -> tuple[Fit, dict[str, float]]:

@@ -122,11 +122,11 @@ def _places_of_off(parameter: Parameter, prior: Prior, off: Array) -> Array:
     return (values - parameter.low) / (parameter.high - parameter.low)
 
 
-def refuse_pressures(fit: Fit) -> None:
-    """Raise UsageError where a fit measures pressures at angles, which the model of a discrepancy does not suit."""
+def refuse_curves(fit: Fit) -> None:
+    """Raise UsageError where a fit measures curves at angles, which the model of a discrepancy does not suit."""
     if any(point.traced for point in fit.points):
-        what = "a posterior has a discrepancy for each figure, and pressures of one cycle miss the model together"
-        raise UsageError(f"{what} (take the columns of pressures out of the data)")
+        what = "a posterior has a discrepancy for each figure, and values of one cycle miss the model together"
+        raise UsageError(f"{what} (take their columns out of the data)")
 
 
 def posterior(
@@ -139,9 +139,9 @@ def posterior(
 ) -> Posterior:
     """Return the posterior of the parameters of a fit, starting from its best values.
 
-    Raise UsageError for a fit to pressures at angles: each would need a width of its own for what the model misses.
+    Raise UsageError for a fit to curves at angles: each would need a width of its own for what the model misses.
     """
-    refuse_pressures(found.fit)
+    refuse_curves(found.fit)
     try:
         import emcee
     except ImportError:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from screwsim.derivatives.collocation import QUICK
 from screwsim.derivatives.solving import SceneDerivatives, scene_derivatives
-from screwsim.figures.indicated import with_pressures
+from screwsim.figures.curves import with_readings
 from screwsim.outputs import Figures, Result
 from screwsim.study.calibration.fit import EXACT, Fit, Measurement, Parameter, Point
 from screwsim.study.pool.parallel import WarmSimulation
@@ -96,7 +96,7 @@ class Objective:
         return outcome
 
     def solved(self, point: Point, values: Mapping[str, float]) -> Result:
-        """Return the result of one point, with the pressures at angles that are measured there."""
+        """Return the result of one point, with the curves at angles that are measured there."""
         simulate = self.simulate or self._warm.get(point.name)
         if simulate is None:
             simulate = self._warm[point.name] = WarmSimulation(trace=point.traced)
@@ -105,7 +105,7 @@ class Objective:
         if result.status != "ok":
             self.failed += 1
             return replace(result, performance=Figures())
-        return replace(with_pressures(result, point.measured), cycle={}) if point.traced else result
+        return replace(with_readings(result, point.measured), cycle={}) if point.traced else result
 
     def slopes(self, places: Array, sides: int = 2) -> Array:
         """Return the slopes of the residuals over the places: exact where possible, else one- or two-sided differences.

@@ -9,11 +9,11 @@ from screwsim.outputs import Result
 from screwsim.outputs.customary import MINUTE, RPM
 from screwsim.outputs.us_units import CFM
 from screwsim.scene import Scene, with_values
+from screwsim.scene.operation import SPEED
 from screwsim.simulate import simulate_many
 from screwsim.study.datasheet.units import METRIC, Units
 from screwsim.study.pool.progress import Progress
 
-SPEED = "operation.speed"
 SPECIFIC, EFFICIENCY = "package_specific_power", "package_isentropic_efficiency"
 KW, PER_HUNDRED = 1e3, 100.0 * CFM  # W; m³/s in 100 cfm
 SHARE = "% of full"

@@ -16,10 +16,10 @@ from screwsim.outputs.customary import RPM, in_bar
 from screwsim.outputs.us_units import PSI
 from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import lines
-from screwsim.scene.operation import P_D
+from screwsim.scene.operation import P_D, SPEED
 from screwsim.study.asked.goals import Goal
 from screwsim.study.asked.spans import Span
-from screwsim.study.datasheet.air_points import SHARE, SPEED, Point, heads_of, point_row, points_at
+from screwsim.study.datasheet.air_points import SHARE, Point, heads_of, point_row, points_at
 from screwsim.study.datasheet.bounds import Limit, motor_of
 from screwsim.study.datasheet.marks import marks_of
 from screwsim.study.datasheet.rated import faults_of, read_values

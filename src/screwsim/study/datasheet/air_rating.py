@@ -15,9 +15,9 @@ from screwsim.inputs.faults import UsageError
 from screwsim.numerics.pchip import Pchip
 from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import Lines, lines
-from screwsim.scene.operation import P_D
+from screwsim.scene.operation import P_D, SPEED
 from screwsim.study.asked.goals import Bound
-from screwsim.study.datasheet.air_points import EFFICIENCY, SPEED, Point, points_at
+from screwsim.study.datasheet.air_points import EFFICIENCY, Point, points_at
 from screwsim.study.datasheet.air_pressures import AtPressure, at_pressures, read_pressures
 from screwsim.study.datasheet.bounds import motor_of
 from screwsim.study.datasheet.hottest_room import Room, hottest_rooms

@@ -13,7 +13,7 @@ from screwsim.fluid import constants
 from screwsim.outputs.customary import quantity, with_printed_units
 from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.lines import lines
-from screwsim.scene.operation import CONDENSING, EVAPORATING, P_D, P_S
+from screwsim.scene.operation import CONDENSING, EVAPORATING, P_D, P_S, SPEED
 from screwsim.study.datasheet import machine_lines, tables
 from screwsim.study.datasheet import rated as rating
 from screwsim.study.datasheet.bearing_lives import LIFE_FIGURES, lives_table
@@ -23,7 +23,7 @@ from screwsim.study.datasheet.machine_lines import DUTY
 from screwsim.study.datasheet.rated import Axis, SceneRating, SceneRequest, pressure_ratio
 from screwsim.study.datasheet.sheet import Drawing, Sheet, Table, disclaimer
 from screwsim.study.datasheet.units import METRIC, Standard, Units
-from screwsim.study.part_load import CONTROL_ENDS, GAS, RATIO_PATH, SPEED_PATH, controls, ratios
+from screwsim.study.part_load import CONTROL_ENDS, GAS, RATIO_PATH, controls, ratios
 
 FLOW, DISCHARGE = "gas_mass_flow", "discharge_temperature"
 ISENTROPIC, FILLING = "isentropic_efficiency", "filling_factor"
@@ -248,12 +248,12 @@ def rating_request(
     """Return what is rated of a scene, given ranges of its lines' options; raise UsageError."""
     (first, inlet), (second, outlet) = options_of(scene).items()
     expands = scene.machine.expands
-    beside = {SPEED_PATH, RATIO_PATH} if expands else {RATIO_PATH, *CONTROL_ENDS}
-    over = f"{SPEED_PATH}, {inlet} and {outlet}" if expands else f"{inlet}, {outlet} and controls of the flow"
+    beside = {SPEED, RATIO_PATH} if expands else {RATIO_PATH, *CONTROL_ENDS}
+    over = f"{SPEED}, {inlet} and {outlet}" if expands else f"{inlet}, {outlet} and controls of the flow"
     base = rating.base_of(scene, {inlet, outlet, *beside}, over)
     if expands and ranges.get(first) is None and inlet not in scene.sweep:
-        speeds = rating.swept_values(scene, SPEED_PATH) or tuple(share * base.operation.speed for share in SPEED_SHARES)
-        across = Axis(SPEED_PATH, speeds)
+        speeds = rating.swept_values(scene, SPEED) or tuple(share * base.operation.speed for share in SPEED_SHARES)
+        across = Axis(SPEED, speeds)
     else:
         across = axis_values(base, inlet, ranges.get(first), first, rating.swept_values(scene, inlet))
     down = axis_values(base, outlet, ranges.get(second), second, rating.swept_values(scene, outlet))

@@ -6,11 +6,11 @@ from typing import Any
 from screwsim.effects.motor import beyond_rating
 from screwsim.figures import rotor_speed
 from screwsim.scene import Scene
+from screwsim.scene.operation import SPEED
 from screwsim.study.asked.inputs import shown_value
 from screwsim.study.datasheet.assumed import ABOUT, Assumed, oil_viscosity
 from screwsim.study.datasheet.bounds import Limit, bound_words, motor_of
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.part_load import SPEED_PATH
 
 DUTY = "oil_cooler_duty"
 Lines = Iterator[tuple[str, str]]
@@ -19,7 +19,7 @@ Lines = Iterator[tuple[str, str]]
 def machine_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) -> Lines:
     """Yield the displacement of the machine, and its speed."""
     if found:
-        speed = shown_value(scene, SPEED_PATH, rotor_speed(found, scene.operation.speed))
+        speed = shown_value(scene, SPEED, rotor_speed(found, scene.operation.speed))
         yield "machine", f"{units.quantity('m3 s-1', found['displacement_flow'])} swept at {speed}"
 
 

@@ -17,13 +17,13 @@ from screwsim.outputs import Result
 from screwsim.scene import Scene, cross_check, with_values, without_sweep
 from screwsim.scene.grid import Swept
 from screwsim.scene.lines import lines
-from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S
+from screwsim.scene.operation import CONDENSING, EVAPORATING, GAS_COOLER_P, P_D, P_S, SPEED
 from screwsim.scene.units import NUMBER
 from screwsim.simulate import simulate_many
 from screwsim.study.asked.inputs import ends_of, read_text, refuse_empty_range, shown_value, unit_behind
 from screwsim.study.datasheet.bounds import EnvelopeRange, Limit, envelope, motor_of
 from screwsim.study.datasheet.units import METRIC, Units
-from screwsim.study.part_load import GAS, LOADS, REFRIGERATION, SPEED_PATH, Control, LoadFigures, PartLoad, part_load
+from screwsim.study.part_load import GAS, LOADS, REFRIGERATION, Control, LoadFigures, PartLoad, part_load
 from screwsim.study.pool.parallel import parallel_map
 from screwsim.study.pool.progress import Progress
 from screwsim.study.pool.workers import WORKER_DIED
@@ -45,7 +45,7 @@ SIDES = {
     P_S: "suction",
     P_D: "discharge",
 }
-EXPANDER_SIDES = SIDES | {P_S: "inlet", P_D: "outlet", SPEED_PATH: "speed"}
+EXPANDER_SIDES = SIDES | {P_S: "inlet", P_D: "outlet", SPEED: "speed"}
 
 
 class Axis(NamedTuple):
@@ -87,7 +87,7 @@ class RatingRequest(ABC):
     def axes_in_words(self) -> tuple[str, str]:
         """The meaning of both axes, in words."""
         across, down = (
-            side if axis.path == SPEED_PATH else f"{side} {axis.kind}"
+            side if axis.path == SPEED else f"{side} {axis.kind}"
             for axis, side in zip((self.across, self.down), self.sides, strict=True)
         )
         return across, down

@@ -15,6 +15,7 @@ from screwsim.outputs import Result
 from screwsim.outputs.customary import RPM, with_printed_units
 from screwsim.scene import grid
 from screwsim.scene.lines import lines
+from screwsim.scene.operation import SPEED
 from screwsim.study.datasheet import air_sheet, stages_sheet
 from screwsim.study.datasheet.air_points import Point, heads_of, point_row
 from screwsim.study.datasheet.air_pressures import named, read_pressures
@@ -32,7 +33,6 @@ from screwsim.study.datasheet.stages_pressures import (
     stages_pressures_table,
 )
 from screwsim.study.datasheet.units import Units
-from screwsim.study.part_load import SPEED_PATH
 from screwsim.study.pool.progress import Progress
 from screwsim.study.pool.workers import WORKER_DIED
 from screwsim.study.stages import ChainResult
@@ -114,7 +114,7 @@ def _rated(
             f"datasheet: two stages of air are rated at values of {' or '.join(SPEEDS)}, or of both in one group of "
             f"zip, but the file varies {name} (remove that axis, or compute its points with screwsim sweep)"
         )
-    own = {f"{name}.{SPEED_PATH}": scene.operation.speed for name, scene in chain.by_stage.items()}
+    own = {f"{name}.{SPEED}": scene.operation.speed for name, scene in chain.by_stage.items()}
     cases = [{**own, **grid.case_values(chain, i)} for i in range(grid.case_count(chain))]
     cases.sort(key=lambda case: [-case[name] for name in SPEEDS])
     base, dead = grid.without_sweep(chain), ChainResult("failed", WORKER_DIED)

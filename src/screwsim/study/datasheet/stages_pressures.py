@@ -9,7 +9,7 @@ from typing import Any
 
 from screwsim.outputs.customary import RPM
 from screwsim.scene.lines import lines
-from screwsim.scene.operation import P_D
+from screwsim.scene.operation import P_D, SPEED
 from screwsim.study.datasheet.air_points import SHARE, Point, heads_of, point_row
 from screwsim.study.datasheet.air_pressures import (
     AS_STATED,
@@ -25,7 +25,6 @@ from screwsim.study.datasheet.marks import marks_of
 from screwsim.study.datasheet.rated import Part, answers_of
 from screwsim.study.datasheet.sheet import Table
 from screwsim.study.datasheet.units import METRIC, US, Units
-from screwsim.study.part_load import SPEED_PATH
 from screwsim.study.pool.progress import Progress
 from screwsim.study.pool.workers import WORKER_DIED
 from screwsim.study.stages import ChainResult
@@ -33,7 +32,7 @@ from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.chain import StageChain
 from screwsim.study.sweep.stages import solved_with
 
-SPEEDS = tuple(f"{stage}.{SPEED_PATH}" for stage in STAGE_NAMES)
+SPEEDS = tuple(f"{stage}.{SPEED}" for stage in STAGE_NAMES)
 OUTLET = f"{STAGE_NAMES[1]}.{P_D}"
 BETWEEN = Column("intermediate_pressure", "between bar", BAR, 3)
 

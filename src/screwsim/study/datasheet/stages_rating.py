@@ -34,7 +34,7 @@ from screwsim.study.part_load import (
     REFRIGERATION,
     SETTING_COUNT,
     SLOWEST_SPEED,
-    SPEED_PATH,
+    SPEED,
     Control,
     PartLoad,
     curve_and_steps,
@@ -125,7 +125,7 @@ def rating_request(
         across=_axis(chain, low, (FIRST, inlet), ranges.get(first), first),
         down=_axis(chain, high, (SECOND, outlet), ranges.get(second), second),
         bounds=bounds,
-        controls=(Control(BOTH, SPEED_PATH, tuple(settings)),),
+        controls=(Control(BOTH, SPEED, tuple(settings)),),
         units=units,
         aim=(HEATING if heating else REFRIGERATION) if refrigerates(chain) else GAS,
     )
@@ -175,4 +175,4 @@ def _by_second(chain: StageChain) -> list[tuple[float, Result]]:
 def _at_share(chain: StageChain, stages: Sequence[str], share: float) -> Result:
     """Return the result at a share of the speeds of stages."""
     speeds = {name: getattr(chain, name).operation.speed for name in stages}
-    return solved_with(chain, {f"{name}.{SPEED_PATH}": share * speed for name, speed in speeds.items()}).as_result()
+    return solved_with(chain, {f"{name}.{SPEED}": share * speed for name, speed in speeds.items()}).as_result()

@@ -11,7 +11,7 @@ from screwsim.outputs import Result
 from screwsim.outputs.display import picked
 from screwsim.scene import Scene
 from screwsim.scene.lines import lines
-from screwsim.scene.operation import CONDENSING
+from screwsim.scene.operation import CONDENSING, SPEED
 from screwsim.study.datasheet.bearing_lives import lives_document
 from screwsim.study.datasheet.bounds import exceeded_bounds, limit_text
 from screwsim.study.datasheet.columns import GAS_OUT, MIXTURE, NONE, Column
@@ -20,7 +20,7 @@ from screwsim.study.datasheet.marks import BLANK, Marks, marks_of
 from screwsim.study.datasheet.rated import Axis, Rating
 from screwsim.study.datasheet.sheet import Curve, Drawing, Table, warning_lines
 from screwsim.study.datasheet.units import Units
-from screwsim.study.part_load import GAS, SPEED_PATH, LoadStep, PartLoad
+from screwsim.study.part_load import GAS, LoadStep, PartLoad
 
 AS_ABOVE = "marks: as above"
 TablePlace = tuple[int, int]  # indices on the axes across and down
@@ -313,6 +313,6 @@ def notes_of(rated: Rating, own: str, meant: str) -> Iterator[str]:
             yield f"{each.control.name}: no part load below {100.0 * each.least:.0f} %: {each.why}"
     warned = [(where, result.warnings) for where, result in every if result.status == "ok"]
     yield from warning_lines(warned, len(every))
-    if SPEED_PATH in {control.path for control in rated.asked.controls} and not rated.asked.inverts:
+    if SPEED in {control.path for control in rated.asked.controls} and not rated.asked.inverts:
         yield "part load by speed excludes inverter losses (effects.motor.inverter)"
     yield meant

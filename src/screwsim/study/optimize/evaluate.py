@@ -11,6 +11,7 @@ from screwsim.figures.errors import error_in_unit
 from screwsim.outputs import STATUSES, Result
 from screwsim.results.table import Table
 from screwsim.scene import Scene, lines, refrigerating_effect
+from screwsim.scene.operation import SPEED
 from screwsim.study.asked.goals import Goal
 from screwsim.study.asked.spans import Span, read_spans
 from screwsim.study.asked.varied import Varied, accuracy_of, value_at, with_values
@@ -85,7 +86,7 @@ def _part_load_result(
     start = load * control * result.performance.volumetric_cooling_capacity / _cooling(scene, result)
     if points.heating:
         start *= _less_work(scene, result)
-    span = Span(points.by, low, high, min(max(start, low), high) if points.by == "operation.speed" else control)
+    span = Span(points.by, low, high, min(max(start, low), high) if points.by == SPEED else control)
     goal = Goal(points.aim.load, load * capacity)
     trials = Trials(scene, (span,), (goal,), simulate, LOAD_TOLERANCE)
     met = one_goal.solve(trials)

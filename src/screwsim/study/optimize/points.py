@@ -10,7 +10,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import Row, name_and_unit, read_sheet, sheet_or_usage_error
 from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.scene import Scene, leaf_of
-from screwsim.scene.operation import CONDENSING, EVAPORATING
+from screwsim.scene.operation import CONDENSING, EVAPORATING, SPEED
 from screwsim.scene.units import NUMBER, gauge_pressures_over, refused_at
 from screwsim.scene.values import convert_cell
 from screwsim.study.asked.inputs import check_continuous
@@ -19,7 +19,6 @@ from screwsim.study.part_load import HEATING, REFRIGERATION, LoadFigures
 
 LEAST_CONDENSING = 20.0  # [°C] down to which a chiller's control lets condensation fall: an assumption of ours
 LEAST_APPROACH = 1.0  # [K] between water or air and refrigerant at full load
-SPEED = "operation.speed"
 MOST_POINTS = 100  # points per file
 _HEATING = "heating_"  # before the names of columns of loads and energies of heating
 _OF_A_FILE = "from a file, work over capacity is interpolated between points, where the standard interpolates the COP"

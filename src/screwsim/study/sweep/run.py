@@ -21,6 +21,7 @@ from screwsim.results.table import same_angles
 from screwsim.results.write import Draft
 from screwsim.scene import SceneLike, grid
 from screwsim.scene.load import scene_of
+from screwsim.scene.operation import SPEED
 from screwsim.scene.types import Scene
 from screwsim.study.pool.limit import CASE_LIMIT, checked_limit
 from screwsim.study.pool.progress import Progress, progress_of
@@ -47,7 +48,7 @@ CHUNK_TRACES = 256  # and where cases keep their traces: bounds the memory
 SIDE_BY_SIDE = 8  # blocks per chunk at least where they are simulated side by side: as many as a core has lanes
 BESIDE_ON_GPU, CASES_ON_GPU = 256, 8192  # blocks per chunk at least on a GPU, unless blocks are long: bounds the memory
 FEW_BLOCKS = 512  # blocks up to which the last chunks decide how long a sweep takes
-SPEED, FLUID = "operation.speed", grid.FLUID
+FLUID = grid.FLUID
 Simulate = Callable[[Scene], Result]
 WarmUp = Callable[[Scene], None]
 
