@@ -5,7 +5,7 @@ import math
 import pytest
 from each_row import each_row
 
-from screwsim.fluid import gap_flow
+from screwsim.fluid import gap_flow, nozzle
 
 MU, MU_OIL, GAP, PASSAGE = 1.2e-5, 2e-2, 20e-6, 2e-3
 
@@ -64,6 +64,26 @@ def test_a_viscous_gap_passes_what_a_slot_passes(kernel, viscosity):
 def test_oil_seals_by_its_viscosity():
     thin, thick = (mixture(kernel, 500.0, 1.0) for kernel in (gap_flow.mcadams_mixture, gap_flow.cicchitti_mixture))
     assert thick < 0.002 < 0.1 < thin
+
+
+def test_a_gap_with_a_mixture_as_thin_as_gas_would_be_turbulent():
+    """M192 has laminar friction, f = 96/Re, at any Re = 2 δ G_m/μ_m. Blasius's in its place: as docs/model.md says."""
+    gap, choke = 26e-6, nozzle.choking(1.1)
+    gas = (45.0, 1.0 / 1.1, *choke)
+    flux = nozzle.flow(1.0, 8e5, *gas, 10e5, *gas, 0.0)
+
+    def passed(kernel):
+        return 2.0 * flux * kernel(flux, 1.0, 45.0, gap, PASSAGE, MU, MU_OIL, 0.0)  # of gas and oil, x = 1
+
+    thin = 2.0 * gap / (2.0 / (1.0 / MU + 1.0 / MU_OIL))  # 2 δ/μ_m
+    frictionless = flux * math.sqrt(2.0)
+    share = 1.0
+    for _ in range(20):  # G_h² = G_m² (1 + f L/(2 δ))
+        share = (1.0 + 0.3164 * (thin * share * frictionless) ** -0.25 * PASSAGE / (2.0 * gap)) ** -0.5
+    laminar = passed(gap_flow.mcadams_mixture)
+    assert thin * laminar == pytest.approx(9500.0, abs=50.0)
+    assert (laminar / frictionless, share) == pytest.approx((0.85, 0.66), abs=5e-3)
+    assert 2.0 * gap * passed(gap_flow.cicchitti_mixture) / (0.5 * (MU + MU_OIL)) < 1.0
 
 
 def test_with_room_the_homogeneous_mixture_is_exact():

@@ -5,8 +5,9 @@ gas that is a stated share of the tip speed; d stated, or the Sauter diameter of
 Source: W. E. Ranz, W. R. Marshall, Chem. Eng. Prog. 48 (1952) 141; A. C. Merrington, E. G. Richardson, Proc. Phys.
 Soc. 59 (1947) 1; K. S. Varde, D. M. Popa, L. K. Varde, SAE 841055 (1984).
 Assumptions: equal spheres of the Sauter diameter, uniform temperature inside, neither coalescence nor break-up by the
-rotors; the formulas of both jets differ tenfold. λ, μ, Pr of the gas are constant, from CoolProp: at the stated
-reference state, else at suction pressure and the warmer of suction gas and injected oil.
+rotors; the formulas of both jets differ tenfold, and that of diesel sprays (M156) is extrapolated. λ, μ, Pr of the gas
+are constant, from CoolProp: at the stated reference state, else at suction pressure and the warmer of suction gas and
+injected oil.
 Parameters: size, diameter, or orifice_diameter, jet_pressure, surface_tension; slip; reference state or λ, μ, Pr.
 """
 

@@ -2,9 +2,9 @@
 
 What: `nozzle` is M12, M13. The other models let a share of that flow pass: `nozzle_friction` that of Bell et al. (M190,
 M191), `oil_sealed` that of a homogeneous mixture of gas and oil, in the ratio of the upstream chamber, with inertia and
-laminar friction (M190, M192, M193). With `oil_film` oil fills a share of the gap's length and leaks there as a viscous
-film without gas; through the rest gas flows as through a nozzle (M250–M252). Where the housing slides past the gap it
-drags oil along, from the chamber ahead to that behind (M256–M258).
+friction, laminar at any Reynolds number (M190, M192, M193). With `oil_film` oil fills a share of the gap's length and
+leaks there as a viscous film without gas; through the rest gas flows as through a nozzle (M250–M252). Where the housing
+slides past the gap it drags oil along, from the chamber ahead to that behind (M256–M258).
 Source: Bell et al. 2013, fitted to gaps of dry scroll machines; McAdams et al. 1942, Cicchitti et al. 1960 for the
 viscosity of a mixture, which differ a hundredfold; of the film, textbook (plane Poiseuille and Couette flow).
 Assumptions: walls at rest, except in `oil_film`; constant viscosities: the gas's, unless stated, at suction pressure
