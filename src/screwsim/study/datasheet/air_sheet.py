@@ -5,6 +5,7 @@ from typing import Any
 
 from screwsim.effects.air_package import FREE_AIR, INPUT_POWER
 from screwsim.effects.parts.rating import WEIGHTS
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Result
 from screwsim.outputs.customary import MINUTE, RPM, with_printed_units
 from screwsim.outputs.us_units import CFM, PSI
@@ -118,7 +119,7 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     at, effects, units = lines(scene), scene.effects, rated.units
     heat = units.heat
     package, motor, full = effects["air_package"].parameters, motor_of(scene), rated.full
-    speed = "fixed speed" if not rated.variable else f"variable speed, {len(rated.points)} points"
+    speed = "fixed speed" if not rated.variable else f"variable speed, {counted(len(rated.points), 'point')}"
     yield "package", f"rotary, lubricated, {rated.coolant}-cooled, {speed}"
     humid = f", relative humidity {_percent(scene.gas.relative_humidity)}" if scene.gas.relative_humidity else ""
     yield "inlet", f"{units.quantity('Pa', at.p_s)}, {units.degrees(at.T_s, '.1f')}, {scene.gas.name}{humid}"
@@ -128,6 +129,8 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     inverter = " with its inverter" if motor.inverts else ""
     eta = f", efficiency{inverter} {_percent(found['motor_efficiency'], 1)}" if found else ""
     yield "motor", f"{units.quantity('W', motor.rated_power)} rated{load}{eta}"
+    if (beyond := rated.overloaded) is not None:
+        yield "speed", _carried_speed(full, beyond, motor.rated_power, units)
     if package.fan is not None:
         yield "fan", f"{units.quantity('W', package.fan.power)}, {FAN_CONTROL[package.fan.control]}"
     if found:
@@ -148,6 +151,16 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
             yield "water", _water(found, units)
     yield from room_lines(rated.rooms, units, bool(scene.gas.relative_humidity))
     yield "zero flow", _unloaded(rated)
+
+
+def _carried_speed(full: Point, beyond: Point, rated: float, units: Units) -> str:
+    """Return in words that the motor carries full flow only at a lower speed than the highest stated."""
+    power = beyond.result.performance["shaft_power"]
+    taken = f"{units.quantity('W', power)} ({_percent(power / rated)})"
+    stated = f"{beyond.rotor_speed / RPM:.0f} rpm of the sweep"
+    return (
+        f"full flow at {full.rotor_speed / RPM:.0f} rpm, the highest that the motor carries: the {stated} take {taken}"
+    )
 
 
 def loss_in_words(pressure: float, units: Units) -> str:
@@ -238,6 +251,7 @@ def _document(scene: Scene, rated: Rating) -> dict[str, Any]:
         "title": scene.title,
         "speed": "variable" if rated.variable else "fixed",
         "coolant": rated.coolant,
+        **({"bounded_by_motor": rated.overloaded is not None} if rated.variable else {}),
         "inlet_pressure": at.p_s,
         "inlet_temperature": at.T_s,
         **({} if scene.gas.relative_humidity is None else {"inlet_relative_humidity": scene.gas.relative_humidity}),
