@@ -99,7 +99,7 @@ def test_a_default_efficiency_stays_one_in_the_text_of_a_scene_and_a_class_may_r
         ),
         ("efficiency_class: IE3, poles: 8", r"motor\.poles: 8 is not covered, only 2, 4 and 6 are"),
         ("efficiency: 0.95, poles: 8", r"motor\.poles: 8 is not covered, only 2, 4 and 6 are"),
-        ("poles: 2", r"motor\.poles: needs the efficiency of such a motor \(write efficiency_class: IE3, or efficiency"),
+        ("poles: 2", r"motor\.poles: needs the efficiency of such a motor \(write efficiency_class: IE3, or "),
         ("efficiency_class: IE33", "is not an option"),
         ("efficiency_class: IE3, rated_power: 1200 kW", r"1200 kW: classes cover 0\.75 kW to 1000 kW"),
     ],
