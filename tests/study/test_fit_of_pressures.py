@@ -88,8 +88,8 @@ def test_a_point_may_have_no_indicator_beside_others_that_have_one(tmp_path):
         (
             f"{HEAD}\n1000,p.csv,40\n",
             "angle_deg,pressure_bar\n9,1\n730,8\n740,8\n",
-            "points.csv:2:1: line 2: 2 pressures beyond the 720 deg of a chamber's life (from 730 deg on) (leave them out; "
-            "angles count from where the chamber begins to grow)",
+            "points.csv:2:1: line 2: 2 pressures beyond the 720 deg of a chamber's life (from 730 deg on) (leave them "
+            "out; angles count from where the chamber begins to grow)",
         ),
         (OF_600.replace("600", "721") + "\n6,0.1\n", PRESSURES, "1 pressure beyond the 720 deg of a chamber's life"),
         ("pressure_at_600_deg [K],pressure_at_600_deg_uncertainty [bar]\n1,1\n", PRESSURES, "'K' is not one"),
