@@ -4,6 +4,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from screwsim.effects.air_package import FREE_AIR, INPUT_POWER
+from screwsim.effects.parts.coolant import FLOW as COOLANT
+from screwsim.effects.parts.coolant import RISE as COOLANT_RISE
 from screwsim.effects.parts.rating import WEIGHTS
 from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Result
@@ -41,7 +43,7 @@ SEPARATED, COOLED, PACKAGE_VAPOUR = "condensate_flow", "aftercooler_condensate_f
 DOCUMENT_FIGURES = (
     FREE_AIR, INPUT_POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
     "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "oil_cooler_load",
-    "aftercooler_duty", "package_discharge_pressure", MIXTURE, GAS_OUT, "oil_supply_temperature",
+    "aftercooler_duty", COOLANT, COOLANT_RISE, "package_discharge_pressure", MIXTURE, GAS_OUT, "oil_supply_temperature",
     "humidity_ratio", "pressure_dew_point", "package_dew_point", "water_flow", SEPARATED, COOLED, PACKAGE_VAPOUR,
     *LIFE_FIGURES,
 )  # fmt: skip
@@ -146,6 +148,9 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
             if (mixed := found.get(MIXTURE)) is not None:
                 alone = f"the air alone at {units.degrees(found[GAS_OUT], '.1f')}"
                 yield "mixture", f"air and oil at {units.degrees(mixed, '.1f')}, {alone}"
+            if (flow := found.get(COOLANT)) is not None:
+                what = f"{units.quantity('m3 s-1', flow)} of {package.coolant.medium}"
+                yield "coolant", f"{what}, warmed by {units.difference(found[COOLANT_RISE])}, at full flow"
             yield "outlet", f"air at {units.degrees(found['package_discharge_temperature'], '.1f')}"
         if humid:
             yield "water", _water(found, units)
