@@ -82,11 +82,15 @@ def temperatures(result: CycleLike, ax: Any = None) -> Any:
 def temperature_entropy(result: CycleLike, ax: Any = None, *, scene: Any = None, **line: Any) -> Any:
     """Draw the gas temperature over its entropy, with the isobars of both lines and the dew line; return the axes.
 
-    The entropy counts from the gas where the chamber is largest. A file of results has its scene; for a result in
-    memory pass the `scene` that was simulated, in any form that `simulate` takes. `line` as of `pressure_volume`.
+    The entropy counts from the gas where the chamber is largest. A file of results has its scene, and so has what
+    `screwsim.simulate` returns; for another result in memory pass the `scene` that was simulated, in any form that
+    `simulate` takes. `line` as of `pressure_volume`.
     """
     if isinstance(result, Result) and scene is None:
-        raise UsageError("a result does not hold its gas, of which the entropy is (pass what was simulated: scene=…)")
+        scene = result.derivatives.scene
+        if scene is None:
+            what = "this result does not know its scene, of whose gas the entropy is"
+            raise UsageError(f"{what} (pass what was simulated: scene=…)")
     given = entropy.scene_of_case(_results(result)) if scene is None else scene_of(scene)
     return _drawn(partial(entropy.draw_temperature_entropy, scene=given), result, ax, line)
 

@@ -17,6 +17,7 @@ from screwsim.effects.air_package import (
     read,
 )
 from screwsim.effects.base import PressureLosses
+from screwsim.effects.parts.coolant import FLOW, NO_HEAT, RISE, Coolant
 from screwsim.inputs.faults import QuantityNotFound
 from screwsim.simulate import simulate_many
 
@@ -207,3 +208,48 @@ def test_what_cannot_be_is_refused_at_its_line(changes, path, words):
     lines = [line for line in caught.value.lines if f"{path}:" in line]
     assert len(lines) == 1, caught.value.lines
     assert words in lines[0]
+
+
+C_P = K / (K - 1.0) * R
+
+
+def test_cooling_air_takes_all_heat_and_flow_and_rise_follow_from_one_another():
+    by_rise = solved(PLAIN, f"{PACKAGE}.coolant={{temperature_rise: 12 K}}").performance
+    flow = by_rise.package_heat / (1e5 / (R * 293.15) * C_P * 12.0)
+    assert by_rise.coolant_flow == pytest.approx(flow, rel=2e-3)  # c_p of air is 0.1 % more than that of k = 1.4
+    assert by_rise.coolant_temperature_rise == 12.0
+    by_flow = solved(PLAIN, f"{PACKAGE}.coolant={{flow: {float(by_rise.coolant_flow)!r} m^3/s}}").performance
+    assert by_flow.coolant_temperature_rise == pytest.approx(12.0, rel=1e-9)
+
+
+def test_cooling_water_takes_the_heat_of_both_coolers():
+    found = solved(PLAIN, f"{PACKAGE}.coolant={{medium: water, flow: 6 m^3/h}}", f"{PACKAGE}.fan=null").performance
+    heat = found.oil_cooler_duty + found.aftercooler_duty
+    assert heat < found.package_heat
+    assert found.coolant_temperature_rise == pytest.approx(heat / (997.0 * 4182.0 * 6.0 / 3600.0), rel=1e-12)
+
+
+def test_the_sheet_tells_what_carries_the_heat_away():
+    scene = screwsim.load(SCENE, [PLAIN, f"{PACKAGE}.coolant={{temperature_rise: 15 K}}"])
+    metric, us = (screwsim.datasheet(scene, units=units) for units in ("metric", "us"))
+    flow = metric.document["points"][0]["coolant_flow"]
+    assert dict(metric.lines)["coolant"] == f"{3600.0 * flow:.4g} m³/h of air, warmed by 15 K, at full flow"
+    assert dict(us.lines)["coolant"].endswith(" cfm of air, warmed by 27 °F, at full flow")
+
+
+@pytest.mark.parametrize(
+    ("stated", "what"),
+    [
+        ("{}", "needs one of temperature_rise and flow"),
+        ("{flow: 1 m^3/s, temperature_rise: 5 K}", "needs one of temperature_rise and flow"),
+        ("{medium: oil, flow: 1 m^3/s}", "is not an option"),
+    ],
+)
+def test_a_coolant_states_one_of_flow_and_rise(stated, what):
+    with pytest.raises(screwsim.SceneError, match=what):
+        screwsim.load(SCENE, [f"{PACKAGE}.coolant={stated}"])
+
+
+def test_no_heat_has_no_flow_and_says_why():
+    assert Coolant(temperature_rise=5.0).figures(-1.0, 1200.0) == dict.fromkeys((FLOW, RISE), NO_HEAT)
+    assert Coolant(temperature_rise=5.0).figures("unknown", 1200.0) == dict.fromkeys((FLOW, RISE), "unknown")

@@ -98,7 +98,8 @@ def test_a_default_efficiency_stays_one_in_the_text_of_a_scene_and_a_class_may_r
             r"motor\.efficiency: is given as well as .* or --set effects\.motor\.efficiency=null\)",
         ),
         ("efficiency_class: IE3, poles: 8", r"motor\.poles: 8 is not covered, only 2, 4 and 6 are"),
-        ("poles: 2", r"motor\.poles: applies only to efficiency_class"),
+        ("efficiency: 0.95, poles: 8", r"motor\.poles: 8 is not covered, only 2, 4 and 6 are"),
+        ("poles: 2", r"motor\.poles: needs the efficiency of such a motor \(write efficiency_class: IE3, or "),
         ("efficiency_class: IE33", "is not an option"),
         ("efficiency_class: IE3, rated_power: 1200 kW", r"1200 kW: classes cover 0\.75 kW to 1000 kW"),
     ],
@@ -107,3 +108,9 @@ def test_what_a_class_does_not_know_is_refused(stated, words):
     power = "" if "rated_power" in stated else "rated_power: 110 kW, "
     with pytest.raises(SceneError, match=words):
         screwsim.load(POINT, [f"effects.motor={{{power}{stated}}}"])
+
+
+def test_poles_stand_beside_a_stated_efficiency_and_leave_it_as_it_is():
+    motor = screwsim.load(POINT, ["effects.motor={rated_power: 110 kW, efficiency: 0.94, poles: 6}"])
+    parameters = motor.effects["motor"].parameters
+    assert (parameters.efficiency, parameters.poles) == (0.94, 6)

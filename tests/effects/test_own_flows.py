@@ -12,6 +12,7 @@ from own_flows import layers, viscous
 import screwsim
 from screwsim.build import PartsCache, build_parts
 from screwsim.effects.base import GAS, NEIGHBOUR, OIL, ChamberState, FlowKind, FlowPath, PathStream, Resistance
+from screwsim.explain import explain
 from screwsim.fluid.gap_flow import open_share
 from screwsim.model.compose import compose
 from screwsim.model.renumbering import renumbered
@@ -37,6 +38,18 @@ def of_closings():
 def closed_by(closing, *changes):
     wanted = [f"numerics.closing={closing}", "numerics.accuracy=1e-5", SLOT, *changes]
     return screwsim.load(CONFIGS / "paper" / "point.yaml", wanted)
+
+
+def test_explain_names_the_law_of_a_path_and_keeps_the_nozzle_to_the_others():
+    lines = dict(explain(closed_by("histories")).sections)["Flow paths"]
+    laws = [" ".join(line.split()) for line in "\n".join(lines).replace("\n" + 22 * " ", " ").splitlines()]
+    slots = [line for line in laws if line.startswith("own_flows.slot ")]
+    assert len(slots) == 2 and all(line.endswith(", flow by slot_flux") for line in slots)
+    assert [line for line in laws if "nozzle flow" in line] == [
+        "other paths nozzle flow in both directions, choking included (M12, M13)"
+    ]
+    alone = dict(explain(screwsim.load(CONFIGS / "paper" / "point.yaml")).sections)["Flow paths"]
+    assert any(line.strip().startswith("every path") for line in alone)
 
 
 def test_the_flow_through_a_slot_is_that_of_its_law(of_closings):

@@ -9,6 +9,7 @@ from scenes import OIL_VOLUME, TOGETHER, run
 from screwsim.scene import load
 from screwsim.simulate import simulate
 
+PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 R134A = Path(__file__).parents[2] / "configs" / "r134a" / "point.yaml"
 ACCURACY = 3e-4
 HEAVY = {"oil.density": "1e8 kg/m^3", "effects.oil_heat.droplet_radius": "1 nm"}  # 1e5 times as dense; α/(r ρ) kept
@@ -64,6 +65,14 @@ def test_a_neglected_room_that_matters_is_warned_of(d, off, told):
     assert (more > off) is told
     assert any("name effects.oil_volume" in warning for warning in without.warnings) is told
     assert not any("takes up no volume" in warning for warning in full.warnings)
+
+
+def test_the_remedy_of_a_neglected_room_is_one_step_where_the_oil_is_not_carried():
+    scene = load(PAPER).with_({"oil_supply.ratio": 20})
+    (warning,) = (each for each in simulate(scene, trace=False).warnings if "takes up no volume" in each)
+    assert "(name effects.oil_volume with oil.transport: carried, use less oil" in warning
+    full = simulate(scene.with_({"effects.oil_volume": {}, "oil.transport": "carried"}), trace=False)
+    assert full.status == "ok" and not full.warnings
 
 
 @pytest.mark.parametrize("d", [50, 300])

@@ -1,5 +1,6 @@
 """The T–s figure: entropies are those of the gas, a tight chamber without heat keeps its own, and lines have names."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ from matplotlib.figure import Figure
 import screwsim
 from screwsim.build import build_parts
 from screwsim.inputs.faults import UsageError
+from screwsim.outputs.derivatives import Derivatives
 from screwsim.report import plot as draw_figures
 from screwsim.report.entropy import entropies, scene_of_case
 from screwsim.report.trace import chosen_trace, trace_of
@@ -84,7 +86,13 @@ def test_the_command_and_python_draw_it(tmp_path):
     assert scene_of_case(open_results(tmp_path / "x.h5")).gas.fluid == "R134a"
 
 
-def test_a_result_in_memory_needs_its_scene():
-    _, result, _ = run("tests/plain/r134a.yaml")
-    with pytest.raises(UsageError, match=r"does not hold its gas.*\(pass what was simulated: scene=…\)"):
-        screwsim.plot.temperature_entropy(result)
+def test_a_result_in_memory_has_its_scene_and_one_that_is_bare_needs_it():
+    scene, result, _ = run("tests/plain/r134a.yaml")
+    drawn = [Figure().subplots() for _ in range(2)]
+    screwsim.plot.temperature_entropy(result, ax=drawn[0])
+    screwsim.plot.temperature_entropy(result, ax=drawn[1], scene=scene)
+    one, other = (axes.get_lines()[0].get_data() for axes in drawn)
+    np.testing.assert_array_equal(one, other)
+    bare = replace(result, derivatives=Derivatives())
+    with pytest.raises(UsageError, match=r"does not know its scene.*\(pass what was simulated: scene=…\)"):
+        screwsim.plot.temperature_entropy(bare)

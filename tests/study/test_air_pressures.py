@@ -12,7 +12,7 @@ from screwsim.outputs.customary import RPM
 from screwsim.outputs.us_units import PSI
 from screwsim.scene import without_sweep
 from screwsim.scene.operation import P_D, SPEED
-from screwsim.study.datasheet import SheetOptions, air_pressures, sheet_of
+from screwsim.study.datasheet import SheetOptions, carried, sheet_of
 from screwsim.study.seek import GoalSeekAnswer
 
 pytestmark = pytest.mark.around
@@ -120,7 +120,7 @@ def test_a_speed_that_only_comes_near_the_rated_power_bounds_nothing(monkeypatch
     def near(scene, question, jobs):
         return [GoalSeekAnswer("none", question.spans, question.goals, values={SPEED: 1500.0 * RPM})]
 
-    monkeypatch.setattr(air_pressures, "find_each", near)
+    monkeypatch.setattr(carried, "find_each", near)
     of = sheet("variable_speed_7", "8.5 bar, 11 bar")
     assert not any(each["bounded_by_motor"] for each in of.document["pressures"])
     assert table(of, FULL).rows[1][0].endswith("*") and float(table(of, FULL).rows[1][2]) == 2950.0
@@ -140,6 +140,40 @@ def test_pressures_of_a_sweep_are_rated_and_a_range_has_five():
     ranged = sheet("fixed_speed_7", "8..12 bar")
     assert [each["outlet_pressure"] for each in ranged.document["pressures"]] == [8e5, 9e5, 10e5, 11e5, 12e5]
     assert "pressures" not in sheet("fixed_speed_7", None).document
+
+
+def test_one_pressure_is_a_row():
+    (only,) = sheet("fixed_speed_7", "11 bar").document["pressures"]
+    assert only["outlet_pressure"] == 11e5 and only["geared"]["shaft_power"] < only["full_flow"]["shaft_power"]
+
+
+def test_full_flow_of_the_sheet_is_at_the_highest_speed_that_the_motor_carries(variable):
+    """As in the row of the same pressure of another sheet, to a revolution per minute."""
+    of = sheet("variable_speed_7", None, f"{P_D}=11 bar")
+    found = of.document
+    speeds = [each["speed"] / RPM for each in found["points"]]
+    row = variable.document["pressures"][2]["full_flow"]
+    assert found["bounded_by_motor"] and not variable.document["bounded_by_motor"]
+    assert speeds[0] == pytest.approx(row["speed"] / RPM, abs=1.01)
+    assert speeds[1:] == pytest.approx([2550.0, 2150.0, 1750.0, 1350.0, 950.0])
+    power = run_at("variable_speed_7", 11e5, 2950.0 * RPM).shaft_power
+    (told,) = [text for name, text in of.lines if name == "speed"]
+    assert told == (
+        f"full flow at {speeds[0]:.0f} rpm, the highest that the motor carries: the 2950 rpm of the sweep take "
+        f"{power / 1e3:.1f} kW ({power / RATED:.0%})".replace("%)", " %)")
+    )
+    assert "speed" not in [name for name, _ in variable.lines]
+
+
+def test_a_sweep_of_one_speed_is_variable_in_all_tables():
+    """No gears, and the speed of the other pressure is lowered; the package is not rated at one load."""
+    of = sheet("variable_speed_7", "8.5 bar, 11 bar", "sweep.operation.speed=[2950 rpm]")
+    own, high = of.document["pressures"]
+    assert (own["bounded_by_motor"], high["bounded_by_motor"]) == (False, True)
+    assert "geared" not in own and "lowest_flow" not in own and GEARED not in [each.title for each in of.tables]
+    assert own["full_flow"]["speed"] / RPM == pytest.approx(2950.0) and high["full_flow"]["shaft_power"] <= RATED
+    assert "variable speed, 1 point" in dict(of.lines)["package"]
+    assert "variable speed" in of.verdict[0]
 
 
 def test_gauge_pressures_and_us_units():
@@ -166,7 +200,8 @@ def test_tables_fit_a_terminal_and_points_are_rows(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("8 bar", "is neither LOW..HIGH nor a list of values (write e.g. --discharge '8 bar, 9.5 bar, 11 bar')"),
+        ("8 bar;9 bar", "'8 bar;9 bar' is not a pressure"),
+        (",", "is neither LOW..HIGH nor a list of values (write e.g. --discharge '8 bar, 9.5 bar, 11 bar')"),
         ("7,5 bar", "does not rise from value to value (a decimal point is a dot)"),
         ("8 bar,, 9 bar", "is neither LOW..HIGH nor a list"),
         ("8 bar, 9", "'9' has no unit"),

@@ -143,7 +143,20 @@ def test_a_parameter_alone_that_does_nothing_is_said_to(tmp_path):
     idle = FIT.partition("parameters:")[0] + "parameters:\n  operation.ambient_temperature: {from: 280 K, to: 300 K}\n"
     found = calibrate(read_fit(write_fit(tmp_path, idle)), jobs=1, simulate=plane)
     (combination,) = found.certainty.open
-    assert combination.says == "the data hardly constrain operation.ambient_temperature"
+    assert combination.says == "no figure of these points depends on operation.ambient_temperature"
+
+
+def test_a_parameter_that_does_nothing_has_no_standard_error_and_leaves_those_of_others(tmp_path, capsys):
+    idle = FIT.replace("starts:", "  operation.ambient_temperature: {from: 280 K, to: 300 K}\nstarts:")
+    with_idle = calibrate(read_fit(write_fit(tmp_path, idle)), jobs=1, simulate=plane)
+    alone = calibrate(read_fit(write_fit(tmp_path, FIT)), jobs=1, simulate=plane)
+    *errors, none = with_idle.certainty.errors
+    assert none is None and with_idle.certainty.blank == {2}
+    assert errors == pytest.approx(list(alone.certainty.errors), rel=1e-9)
+    print_calibration(with_idle)
+    out = capsys.readouterr().out
+    assert "not determined" in next(line for line in out.splitlines() if line.startswith("ambient_temperature "))
+    assert "e+" not in out
 
 
 def test_told_apart_parameters_raise_no_warning(fit):

@@ -1,6 +1,7 @@
 """Faults of a fit and of its data: each one line with file, line, column, path and remedy."""
 
 import re
+from pathlib import Path
 
 import pytest
 from fit_fakes import FIT, POINTS, SCENE, write_fit
@@ -390,3 +391,20 @@ def test_pressures_of_gauges_are_over_the_ambient_one_and_units_those_of_scenes(
 def test_a_unit_that_cannot_be_is_told_at_its_place(tmp_path, old, new, line):
     found = faults(tmp_path, points=GAUGE.replace(old, new))
     assert len(found) == 1 and line in found[0], found
+
+
+@pytest.mark.parametrize(
+    ("powers", "refused"),
+    [((5, 6), True), ((-5, -6), False), ((5, -6), False)],
+)
+def test_a_positive_power_at_all_points_of_an_expander_is_refused_with_its_sign(tmp_path, powers, refused):
+    expander = Path(__file__).parents[2] / "configs" / "expander" / "point.yaml"
+    head = "operation.speed [rpm],shaft_power [kW],shaft_power_uncertainty [kW]"
+    (tmp_path / "points.csv").write_text(f"{head}\n2000,{powers[0]},0.1\n3000,{powers[1]},0.1\n", encoding="utf-8")
+    fit = f"scene: {expander}\ndata: points.csv\nparameters: {{effects.tip_leakage.gap: {{from: 20 um, to: 80 um}}}}\n"
+    (tmp_path / "own.fit.yaml").write_text(fit, encoding="utf-8")
+    if not refused:
+        assert len(read_fit(tmp_path / "own.fit.yaml").points) == 2
+        return
+    with pytest.raises(SceneError, match=r"csv:2:1: shaft_power: is positive at every point.*write output_power"):
+        read_fit(tmp_path / "own.fit.yaml")

@@ -12,6 +12,7 @@ from screwsim.inputs.faults import SceneError, UsageError
 from screwsim.outputs import Result
 from screwsim.printing.fitted_points import lines_of_points, pictures
 from screwsim.study.calibration import read_fit
+from screwsim.study.calibration.indicator import pressures_of
 from screwsim.study.calibration.machine import points_of
 from screwsim.study.calibration.posterior import refuse_curves
 from screwsim.study.calibration.residuals import Objective
@@ -89,6 +90,13 @@ def test_a_point_may_have_no_indicator_beside_others_that_have_one(tmp_path):
         (f"{HEAD.replace('indicator', 'indicator_of_gas_temperature')}\n1000,p.csv,40\n", PRESSURES, "is not known"),
         (f"{HEAD.replace('indicator', 'indicator_of_pressure')}\n1000,p.csv,40\n", PRESSURES, "is not known"),
         ("heat_at_600_deg [W],heat_at_600_deg_uncertainty [W]\n1,1\n", PRESSURES, "heat_at_600_deg: is not known"),
+        (
+            f"{HEAD}\n1000,p.csv,40\n",
+            "angle_deg,pressure_bar\n9,1\n730,8\n740,8\n",
+            "points.csv:2:1: line 2: 2 angles beyond the 720 deg of a chamber's life (from 730 deg on) (leave them "
+            "out; angles count from where the chamber begins to grow)",
+        ),
+        (OF_600.replace("600", "721") + "\n6,0.1\n", PRESSURES, "1 angle beyond the 720 deg of a chamber's life"),
         ("pressure_at_600_deg [K],pressure_at_600_deg_uncertainty [bar]\n1,1\n", PRESSURES, "'K' is not one"),
     ],
 )
@@ -141,8 +149,8 @@ def test_a_single_pressure_at_zero_is_beside_those_of_a_file(tmp_path):
 
 @pytest.mark.parametrize("angle", ["-0.0", "0.00001", "1e11"])
 def test_a_fit_has_a_figure_at_any_angle_of_a_file(tmp_path, angle):
-    (point,) = fit_of(tmp_path, f"{HEAD}\n1000,p.csv,40\n", f"angle_deg,pressure_kPa\n{angle},200\n").points
-    (name,) = point.measured
+    (tmp_path / "p.csv").write_text(f"angle_deg,pressure_kPa\n{angle},200\n", "utf-8")
+    (name,) = pressures_of("pressure", "p.csv", str(tmp_path), 1e3)
     assert declared(name).units == "Pa" and reading_of(name) == ("pressure", float(angle))
 
 

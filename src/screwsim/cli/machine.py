@@ -97,7 +97,8 @@ def datasheet(
         "LOW..HIGH|LIST", "Suction pressures of the table (gas compressor), or inlet pressures of an expander."
     ),
     discharge: Text = option(
-        "LOW..HIGH|LIST", "Its discharge pressures, or outlet pressures of an expander or an air package."
+        "LOW..HIGH|LIST",
+        "Its discharge pressures, or outlet pressures of an expander or (one, too) of an air package.",
     ),
     limits: Texts = option("FIGURE<VALUE", "A limit, e.g. 'discharge_temperature<110 degC'; repeatable.", "--limit"),
     heating: bool = switch(

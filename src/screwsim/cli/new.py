@@ -1,11 +1,16 @@
 """The command for a new scene: complete, commented and realistic, to be edited by hand."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from screwsim.cli.declare import File, Text, argument, option, switch
 from screwsim.cli.options import check_new
 from screwsim.inputs.faults import UsageError
 from screwsim.screen import say
+
+if TYPE_CHECKING:
+    from screwsim.template import SceneRequest
 
 
 def new(
@@ -39,10 +44,14 @@ def new(
     variable_speed: bool = switch(
         "--variable-speed", "Air package with an inverter, swept over the speeds of its sheet."
     ),
+    two_stage: bool = switch(
+        "--two-stage",
+        "Two stages in series (air, refrigeration): two scenes beside -o NAME.stages.yaml, which joins them.",
+    ),
     output: File = option("SCENE.yaml", "File to write it to (default: the screen).", "-o"),
 ) -> None:
     """Write a complete, commented scene of a realistic machine, with leaks, oil and losses scaled to its size."""
-    if output is not None:
+    if output is not None and not two_stage:
         _check_free(output)
     from screwsim.template import KINDS, kind_of, note_on_pressure, request_of
 
@@ -72,6 +81,9 @@ def new(
 
     if told := note_on_pressure(pressure):
         print_text(told, err=True)
+    if two_stage:
+        _write_two_stages(kind, asked, {**sheet, **chosen, "--vi": vi}, output)
+        return
     from screwsim.study.sizing import performance_lines, sized_machine, stated_machine
 
     found = (sized_machine if asked.by_sheet else stated_machine)(kind, asked)
@@ -86,13 +98,49 @@ def new(
     say(write_text(output, found.text))
 
 
+def _write_two_stages(kind: str, asked: "SceneRequest", stated: Mapping[str, Any], output: Path | None) -> None:
+    """Write the scenes of two stages, and the file that joins them."""
+    from screwsim.printing.tables import print_text
+    from screwsim.results.atomic import write_text
+    from screwsim.template import two_stages
+
+    two_stages.check_options(kind, stated)
+    ending, option = two_stages.ENDING, two_stages.OPTION
+    if output is None:
+        raise UsageError(f"{option}: writes three files (write e.g. -o plant{ending})")
+    if not output.name.endswith(ending) or output.name == ending:
+        named = output.name.removesuffix(output.suffix) or "plant"
+        what = f"the file that joins two stages must end in {ending}"
+        raise UsageError(f"-o {output}: {what} (write -o {output.with_name(named + ending)})")
+    names = two_stages.names_from(output.name)
+    files = [output.with_name(name) for name in names]
+    for file in files:
+        _check_new_file(file)
+    from screwsim.study.sizing_of_two import performance_lines, sized_stages
+
+    found = sized_stages(kind, asked)
+    for line in performance_lines(kind, found):
+        print_text(line)
+    for file in files:
+        _check_new_file(file)  # again: a file that has appeared meanwhile is kept
+    texts = (*found.texts, two_stages.stages_text(kind, asked, found.ends, names))
+    for file, text in zip(files, texts, strict=True):
+        say(write_text(file, text))
+
+
 def _check_free(output: Path) -> None:
     """Raise UsageError unless a scene can be written there without replacing anything."""
     if output.suffix.lower() not in (".yaml", ".yml"):
         good = output.with_suffix(".yaml")
         raise UsageError(f"-o {output}: a scene file must end in .yaml (write -o {good})")
     if output.name.endswith((".fit.yaml", ".stages.yaml")):
-        raise UsageError(f"-o {output}: is named like a fit or a two-stage file (choose another name)")
+        what = "is named like a fit or a two-stage file"
+        raise UsageError(f"-o {output}: {what} (choose another name; --two-stage writes two stages)")
+    _check_new_file(output)
+
+
+def _check_new_file(output: Path) -> None:
+    """Raise UsageError where a file exists already, or cannot be written."""
     check_new(output)
     from screwsim.results.atomic import check_writable
 

@@ -5,7 +5,8 @@ is named causes a pressure loss in proportion to the square of the free air deli
 sucks in below and discharges above the stated pressures (M342); flow and losses are solved for together (M343). A
 minimum-pressure valve keeps the pressure upstream of it at its setting. Input power is that of motor, inverter and fan
 (M345); specific power and isentropic efficiency are those of ISO 1217 (M346, M347). The heat that leaves the package
-follows from the first law (M348), that of the aftercooler from its approach (M344). Unloaded, the inlet valve leaves a
+follows from the first law (M348), that of the aftercooler from its approach (M344); with `coolant`, so does the flow of
+the air or water that carries it away, or by how much that warms up. Unloaded, the inlet valve leaves a
 stated pressure to the machine, the separator is blown down to another, and nothing is delivered. Humid air includes the
 water that condenses on its way (M360), which is drained where it falls out (M361); the aftercooler takes its heat too
 (M362).
@@ -15,13 +16,14 @@ Assumptions: losses do not depend on density, so they belong to one pressure lev
 condensate drains, between the machine and the outlet; what cools the aftercooler is as warm as the inlet unless another
 temperature is stated; the fan's power heats the cooling air.
 Other figures, and the ledger, are those of the machine, from the inlet to the pressure to which it discharges.
-Parameters: rated_flow; inlet_filter, inlet_valve, separator_element, minimum_pressure_valve, aftercooler, fan; state,
-unloaded.
+Parameters: rated_flow; inlet_filter, inlet_valve, separator_element, minimum_pressure_valve, aftercooler, fan, coolant;
+state, unloaded.
 """
 
 from dataclasses import dataclass
 
 from screwsim.effects.base import Effect, Faults, Given, LosesPressure, PressureLosses, Reading, SuctionChange
+from screwsim.effects.parts import coolant as cooling
 from screwsim.effects.parts.lines import BLOWN_OFF
 from screwsim.effects.parts.rating import isentropic_power
 from screwsim.fluid.settings import AIR
@@ -43,6 +45,7 @@ from screwsim.outputs import (
 NAME = "air_package"
 SEPARATED = ("effects.separator",)
 BEFORE = "inlet_filter", "inlet_valve"
+STEP = 10.0  # [K] over which the heat capacity of the room's air is taken
 MOST = 0.5  # largest share of the suction pressure that filter and valve may lose at rated flow
 NO_AIR = "ISO 1217 defines the isentropic power for air, and the gas is {fluid}"
 NONE_DELIVERED = "no net gas is delivered"
@@ -76,6 +79,7 @@ FIGURES = (
     Figure("package_discharge_temperature", "K", "temperature of the air at the package's outlet", needs=SEPARATED),
     power_figure("aftercooler_duty", "heat removed by the aftercooler", needs=(".aftercooler",)),
     power_figure("package_heat", "heat that leaves the package by other ways than its air", needs=SEPARATED),
+    *cooling.FIGURES,
 )
 OF_WATER = (  # computed with the package's water balance (M361)
     Figure(
@@ -163,6 +167,7 @@ class Parameters(LosesPressure):
     minimum_pressure_valve: MinimumPressureValve | None = None
     aftercooler: Aftercooler | None = None
     fan: Fan | None = None
+    coolant: cooling.Coolant | None = None
 
     @property
     def at_rated_flow(self) -> float:
@@ -219,6 +224,7 @@ def read(parameters: Parameters, known) -> Given:
     idle = BLOWN_OFF if parameters.state == UNLOADED else ""
     why = idle or (NONE_DELIVERED if flow <= 0.0 else "" if power > 0.0 else NO_POWER)
     of_air = "" if known.fluid.lower() == AIR else NO_AIR.format(fluid=known.fluid)
+    heats = _heats(parameters, known, outlet, power)
     return {
         FREE_AIR: 0.0 if idle else flow,
         INPUT_POWER: power,
@@ -228,8 +234,21 @@ def read(parameters: Parameters, known) -> Given:
         "package_pressure_loss": idle or losses.behind,
         "intake_pressure_loss": losses.before,
         "fan_power": blown,
-        **_heats(parameters, known, outlet, power),
+        **heats,
+        **_cooled_by(parameters, known, heats),
     }
+
+
+def _cooled_by(parameters: Parameters, known, heats: Given) -> Given:
+    """Return flow and rise of what carries the heat away; air of the room is as warm as the inlet."""
+    if parameters.coolant is None:
+        return {}
+    heat, found = heats["package_heat"], known.found
+    if parameters.coolant.medium == cooling.WATER and not isinstance(heat, str):
+        heat = (found.get("oil_cooler_duty") or 0.0) + heats["aftercooler_duty"]
+    p, T = found["suction_pressure"], found["suction_temperature"]
+    c_p = (known.enthalpy(p, T + STEP) - known.enthalpy(p, T)) / STEP
+    return parameters.coolant.figures(heat, known.suction_density * c_p)
 
 
 def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
@@ -272,6 +291,7 @@ def check(parameters: Parameters, facts) -> Faults:
     if parameters.aftercooler is not None and facts.operation.aftercooler_temperature is not None:
         what = f"{path}.aftercooler already states the temperature of the air, by its approach"
         yield Fault("operation.aftercooler_temperature", f"{what} (remove one of the two)")
+    yield from _coolant_faults(parameters, facts, f"{path}.coolant")
     p_s, idle = facts.operation.suction.pressure, parameters.unloaded
     if idle is None and parameters.state == UNLOADED:
         remedy = "write e.g. {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}"
@@ -285,6 +305,18 @@ def check(parameters: Parameters, facts) -> Faults:
         part = next(name for name in BEFORE if getattr(parameters, name) is not None)
         what = f"filter and valve would lose {1e-5 * parameters.rated(*BEFORE):.4g} bar of the {1e-5 * p_s:.4g} bar"
         yield Fault(f"{path}.{part}.pressure_loss", f"{what} before them at rated_flow (choose less than half)")
+
+
+def _coolant_faults(parameters: Parameters, facts, path: str) -> Faults:
+    """Yield what a coolant lacks, or states twice."""
+    coolant = parameters.coolant
+    if coolant is None:
+        return
+    if (coolant.temperature_rise is None) == (coolant.flow is None):
+        what = "needs one of temperature_rise and flow, of which the other follows"
+        yield Fault(path, f"{what} (write e.g. {{temperature_rise: 15 K}})")
+    if "separator" not in facts.effects:
+        yield Fault(path, "needs effects.separator, by which the heat of the package is known (add it)")
 
 
 EFFECT = Effect(

@@ -77,7 +77,9 @@ class Parameters:
         (STATED, *motor_classes.CLASSES),
         STATED,
     )
-    poles: int | None = count("2, 4 or 6, for efficiency_class (default: 4)", None)
+    poles: int | None = count(
+        "2, 4 or 6 (default: 4), for efficiency_class and for starts per hour on data sheets", None
+    )
     constant_share: float = number("c: share of the rated loss that does not depend on the load", 0.4, ge=0.0, le=1.0)
     efficiency_file: str | None = file(
         "CSV with columns load, efficiency (shaft power over rated power, efficiency of the motor), in place of "
@@ -277,17 +279,17 @@ def check(parameters: Parameters, facts) -> Faults:
 def _of_class(parameters: Parameters) -> Faults:
     """Yield what an efficiency class does not cover, and what is stated beside it."""
     path, known = "effects.motor", motor_classes
-    if not parameters.is_of_class:
-        if parameters.poles is not None:
-            yield Fault(
-                f"{path}.poles", "applies only to efficiency_class (write e.g. efficiency_class: IE3, or remove it)"
-            )
-        return
     if parameters.poles not in (None, *known.POLES):
         yield Fault(
-            f"{path}.poles", f"{parameters.poles} is not covered, only 2, 4 and 6 are (choose one, or write efficiency)"
+            f"{path}.poles", f"{parameters.poles} is not covered, only 2, 4 and 6 are (choose one, or leave it out)"
         )
-    elif not isinstance(parameters.efficiency, Derived):
+    if not parameters.is_of_class:
+        stated = parameters.efficiency_file is not None or not isinstance(parameters.efficiency, ReplaceableDefault)
+        if parameters.poles is not None and not stated:
+            what = "needs the efficiency of such a motor"
+            yield Fault(f"{path}.poles", f"{what} (write efficiency_class: IE3, or efficiency, or remove it)")
+        return
+    if parameters.poles in (None, *known.POLES) and not isinstance(parameters.efficiency, Derived):
         yield Fault(f"{path}.efficiency", BESIDE_CLASS.format(path, "efficiency"))
     if parameters.efficiency_file is not None:
         yield Fault(f"{path}.efficiency_file", BESIDE_CLASS.format(path, "efficiency_file"))

@@ -194,7 +194,8 @@ def _oil_fills_chamber(of: Evaluation) -> Iterator[str]:
             f"the oil would fill {share:.0%} of the chamber when the {when}; oil takes up no volume in this scene's "
             "model"
         )
-        yield f"{what} (name {' or '.join(having(OIL_ROOM))}, use less oil, or treat the result as a limit)"
+        beside = "" if oil.carried else " with oil.transport: carried"
+        yield f"{what} (name {' or '.join(having(OIL_ROOM))}{beside}, use less oil, or treat the result as a limit)"
 
 
 def _unfitted_bore(of: Evaluation) -> Iterator[str]:

@@ -12,11 +12,12 @@ from screwsim.build import build_parts, faults_of_own, regularisation
 from screwsim.cycle.solution import closing_criteria
 from screwsim.effects import base, catalogue
 from screwsim.effects.base import LINES
+from screwsim.effects.parts.flow_kinds import FlowKind, Nozzle, Resistance
 from screwsim.explain.media import gas_rows, oil_rows
 from screwsim.explain.parameters import NO_BREAK, parameters_text, row
 from screwsim.figures import called_for
 from screwsim.inputs.declare import KINDS
-from screwsim.inputs.suggestions import counted
+from screwsim.inputs.suggestions import counted, joined_names
 from screwsim.machine.kinds import kind_of
 from screwsim.machine.profile_law import LaidCurves
 from screwsim.machine.protocol import ROTORS
@@ -283,12 +284,27 @@ def _paths(parts: Parts) -> Iterator[str]:
             else:
                 pitches = "lobe pitch" if path.offset == 1 else "lobe pitches"
                 ends = f"chamber - chamber {path.offset} {pitches} ahead"
-            held = f", {path.flow.title}" if path.flow.title else ""
+            law = path.flow.title or _own_law(path.flow)
+            held = f", {law}" if law else ""
             held += ", opened by its valve" if path.opening is not None else ""
             yield row(name, f"{ends}, flow coefficient {path.flow_coefficient:g}{held}")
-    yield row("every path", "nozzle flow in both directions, choking included (M12, M13)")
+    laws = [bool(_own_law(path.flow)) for path in _flow_paths(parts)]
+    if not all(laws):
+        which = "other paths" if any(laws) else "every path"
+        yield row(which, "nozzle flow in both directions, choking included (M12, M13)")
     if parts.geometry.chambers > 1:
         yield row("ahead of the last", "chamber lies the discharge line; behind the first one there is no gap")
+
+
+def _flow_paths(parts: Parts) -> Iterator[base.FlowPath]:
+    return (part for built in parts.effects.values() for part in built if isinstance(part, base.FlowPath))
+
+
+def _own_law(flow: FlowKind) -> str:
+    """Return by which kernels a kind of flow replaces the nozzle's; empty for a nozzle, or a share of its flow."""
+    if isinstance(flow, Nozzle | Resistance):
+        return ""
+    return f"flow by {joined_names([kernel.__name__ for kernel in flow.kernels().values()] or [type(flow).__name__])}"
 
 
 def _numerics(scene: Scene) -> Iterator[str]:

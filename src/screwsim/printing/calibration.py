@@ -30,7 +30,7 @@ from screwsim.study.asked.inputs import WITHOUT_ZERO, in_customary, shown_number
 from screwsim.study.asked.varied import leaf_of, value_at
 from screwsim.study.calibration.fit import TOLERANCE_REMEDY, Parameter, Prior
 from screwsim.study.calibration.hypotheses import LEAST_CHANCE, chance_of_misfit
-from screwsim.study.calibration.identifiability import CORRELATED, WEAK_VALUE
+from screwsim.study.calibration.identifiability import CORRELATED, NOTHING, WEAK_VALUE
 from screwsim.study.calibration.other_inputs import errors_by_inputs
 from screwsim.study.calibration.solve import Calibration, ComparedMeasurement
 from screwsim.study.scene_files import FITTED_LINE, fitted_text, refuse_base
@@ -178,8 +178,8 @@ def _row(found: Calibration, index: int, parameter: Parameter) -> list[str]:
     width = ""
     if error is not None:
         width = f"{error * found.scale * _per_unit(found, parameter):.2g}"
-    elif known is not None and known.border[index]:
-        width = f"{known.border[index]} bound"
+    elif known is not None:
+        width = f"{known.border[index]} bound" if known.border[index] else "not determined"
     low, high = spread(found, index)
     good = "" if low is None or high is None else " … ".join(shown_number(scene, path, each, 3) for each in (low, high))
     return [found.fit.short_names()[path], shown_value(scene, path, found.values[path], 4), width, good]
@@ -298,7 +298,10 @@ def _warnings(found: Calibration) -> Iterator[str]:
             shown = shown_value(found.fit.scene, parameter.path, bound, 4)
             yield f"warning: {parameter.path} is at its {border} bound, {shown}; a better fit may lie beyond it"
     for each in known.open:
-        yield f"warning: {each.says} (a standard error along it is {each.span:.2g} of the bounds' distance)"
+        along = (
+            f" (a standard error along it is {each.span:.2g} of the bounds' distance)" if each.span < NOTHING else ""
+        )
+        yield f"warning: {each.says}{along}"
     if any(not each.strength >= WEAK_VALUE for each in known.open):
         yield (
             f"a combination is not determined if its singular value (scaled slopes) is below {WEAK_VALUE:g} of the "

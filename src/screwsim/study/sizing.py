@@ -161,11 +161,16 @@ def _computed(found: SizedMachine) -> str:
     words = _package_in_words if DELIVERED in p else _plant_in_words if COOLS in p else _gas_in_words
     gives, takes = (_expander_in_words if expands else words)(found)
     power = p.shaft_power
-    load = abs(power) / _rated_power(scene)
-    beyond = beyond_rating(load)
-    drive = "a generator" if expands else "a motor"
-    carried = f"{100.0 * load:.0f} % of {drive} of {1e-3 * _rated_power(scene):g} kW{f', {beyond}' if beyond else ''}"
+    carried = motor_load(power, scene)
     return f"computed: {gives}, {'gives' if power < 0.0 else 'takes'} {_power(power)} at the shaft ({carried}), {takes}"
+
+
+def motor_load(power: float, scene: Scene) -> str:
+    """Return the load of a scene's motor or generator by a shaft power [W], in words."""
+    rated = _rated_power(scene)
+    beyond = beyond_rating(abs(power) / rated)
+    drive = "a generator" if scene.machine.expands else "a motor"
+    return f"{100.0 * abs(power) / rated:.0f} % of {drive} of {1e-3 * rated:g} kW{f', {beyond}' if beyond else ''}"
 
 
 def _rated_power(scene: Scene) -> float:

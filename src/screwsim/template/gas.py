@@ -32,6 +32,14 @@ INVERTER_LOSS_SHARE = 0.03  # of the motor, lost by an inverter at its class's p
 SPEEDS = 1.0, 0.86, 0.73, 0.59, 0.46, 0.32  # of full speed, on the sheet of a variable-speed package
 COMMENT_WIDTH = 110  # columns of a comment
 ABOVE_DEW = 10.0  # [K] margin of the separator, or of gas at the inlet, above the dew point
+HUMID = "    # relative_humidity: 0.6 adds the water in the air (docs/how-to/moist-air.md)"
+FILTER = "    inlet_filter: {pressure_loss: 20 mbar}\n"
+BEHIND = (  # parts of a package behind its machine
+    "    separator_element: {{pressure_loss: 172 mbar}}\n"
+    "    minimum_pressure_valve: {{pressure_loss: 50 mbar, pressure: {least}}}\n"
+    "    aftercooler: {{pressure_loss: 138 mbar, approach: 10 K{coolant}}}\n"
+)
+FAN = "    fan: {{power: {power}{control}}}    # 4 % of {of} (validation/cagi/sheet.csv)\n"
 SOLIDITY = 0.63  # of end faces, as in the text of flooded machines
 
 
@@ -123,7 +131,8 @@ def motor_values(rated: float) -> dict[str, str]:
     return {"rated": f"{rated:.6g} kW", "efficiency": sizes.motor_efficiency(rated)}
 
 
-def _air_duty(asked: SceneRequest) -> Duty:
+def air_duty(asked: SceneRequest) -> Duty:
+    """Return the lines of an air package; raise UsageError for a condition that is none of one."""
     if asked.molar is not None:
         what = "a package delivers free air, at the state of its inlet"
         raise UsageError(f"--flow {asked.flow_text}: {what} (write e.g. --flow '7.5 m^3/min')")
@@ -131,17 +140,18 @@ def _air_duty(asked: SceneRequest) -> Duty:
     if duty.at.low < THINNEST_AIR:
         what = f"an air package draws in ambient air, not {1e-5 * duty.at.low:.3g} bar"
         raise UsageError(f"--condition {asked.condition}: {what} (write screwsim new booster --fluid Air)")
-    return gas_duty(asked, "Air", "0 bar(g)/7.5 bar(g)", "20 degC", ambient=_ambient(duty.at))
+    ambient = ambient_of(duty.at) if asked.stage is None else asked.stage.ambient
+    return gas_duty(asked, "Air", "0 bar(g)/7.5 bar(g)", "20 degC", ambient=ambient)
 
 
-def _ambient(at: Condition) -> float:
+def ambient_of(at: Condition) -> float:
     """Return the ambient pressure [Pa] of a package: that of its inlet, where it is stated as an absolute one."""
     return ATMOSPHERE if is_gauge(at.low_text) or at.low > DENSEST_AIR else at.low
 
 
 def first_flow(asked: SceneRequest) -> float:
     """Return the approximate displacement [m³/s] of an air package for the stated delivery, or for full motor load."""
-    duty = _air_duty(asked)
+    duty = air_duty(asked)
     if asked.free_air is None and asked.motor is not None:
         return asked.motor * ETA / (duty.work * LAMBDA * duty.density)
     return (asked.free_air or 0.0) / LAMBDA
@@ -152,32 +162,75 @@ def air(asked: SceneRequest) -> str:
     if (asked.fluid or "Air").lower() != "air":
         raise UsageError(f"--fluid {asked.fluid}: an air package compresses air (write screwsim new booster for a gas)")
     flow, speed, oil = asked.flow or 1200.0 / 3600.0, asked.speed or 2950.0 * RPM, asked.oil or "mineral_46"
-    size, duty = texts.sized(flow, speed), _air_duty(asked)
+    size, duty = texts.sized(flow, speed), air_duty(asked)
     gas_flow, drop = LAMBDA * flow * duty.density, duty.at.high - duty.at.low
     worse = sizes.beyond_matching(duty.ratio, duty.k, asked.ratio)
     friction = BROUGHT * film_friction(size, oil)
     taken = max(gas_flow * worse * duty.work / ETA, gas_flow * worse * _package_work(duty) + friction)
     carried = _oil_per_air(duty, taken / gas_flow, oil)
     oil_capacity = carried * gas_flow * _oil_heat_capacity(oil)
-    cooler = _oil_cooler(max(ROOM, duty.T + ROOM_RESERVE), taken, gas_flow * heat_capacity(duty), oil_capacity)
+    room, ambient = _surroundings(asked, duty)
+    gas_capacity = gas_flow * heat_capacity(duty)
+    warm = gas_capacity * max(duty.T - room, 0.0) if asked.stage is not None else 0.0  # as if it entered from the room
+    cooler = _oil_cooler(room, taken + warm, gas_capacity, oil_capacity)
     delivered = (asked.free_air or LAMBDA * flow) / (LAMBDA * flow)  # of the estimated flow, where it is stated
     rated = _rated_power(asked, min(delivered, 1.0) * taken)
     displaced = [] if asked.by_sheet else [f"{sizes.flow_text(flow)} at {sizes.rpm(speed)}"]
+    outside = duty.at.low if asked.stage is None else ambient
+    least = outside + min(VALVE_OPENING_PRESSURE, SHUT_SHARE * (duty.at.high - outside))
     values = {
         **common_values(asked, duty, size, 0.97),
         **_speeds(asked, rated, speed),
-        "flooded": texts.flooded(size, LEAVES, cooler),
-        "ambient": in_bar(_ambient(duty.at)),
+        **_place(asked, rated, f"{1e-5 * least:.3g} bar"),
+        "flooded": texts.flooded(size, LEAVES, cooler, _coolant_of_second(asked)),
+        "ambient": in_bar(ambient),
         "oil": oil,
         "bore": sizes.mm(sizes.bore(carried * gas_flow, OILS[oil].density_at(LEAVES), drop, 1), 2),
         "carried": f"{carried:g}",
         "free_air": f"{60.0 * (asked.free_air or LAMBDA * flow):.3g} m^3/min",
         "sheet": _sheet_comment(asked),
         "named": ", ".join([*displaced, *filter(None, [_title_part(asked)])]),
-        "least": f"{1e-5 * (duty.at.low + min(VALVE_OPENING_PRESSURE, SHUT_SHARE * drop)):.3g} bar",
-        "fan": f"{FAN_SHARE * rated:.2g} kW",
     }
     return texts.filled("air", values)
+
+
+def _surroundings(asked: SceneRequest, duty: Duty) -> tuple[float, float]:
+    """Return the room [K] for which the oil's cooler is sized, and the ambient pressure [Pa]."""
+    if asked.stage is None:
+        return max(ROOM, duty.T + ROOM_RESERVE), ambient_of(duty.at)
+    return max(ROOM, asked.stage.T_coolant + ROOM_RESERVE), asked.stage.ambient
+
+
+def _coolant_of_second(asked: SceneRequest) -> str:
+    """Return the temperature of what cools a second stage, as stated in a scene; '' for other machines."""
+    return asked.stage.coolant if asked.stage is not None and asked.stage.second else ""
+
+
+def _place(asked: SceneRequest, rated: float, least: str) -> dict[str, str]:
+    """Return what the machine is, and the parts around it: of two stages the first has those before it, and the fan.
+
+    `rated` [kW] is the power of its motor, `least` the pressure of the minimum-pressure valve.
+    """
+    stage, valve = asked.stage, "" if asked.variable else "    inlet_valve: {pressure_loss: 15 mbar}\n"
+    before, behind = f"{FILTER}{valve}", BEHIND.format(least=least, coolant="")
+    control = ", control: flow" if asked.variable else ""
+    if stage is None:
+        fan = FAN.format(power=f"{FAN_SHARE * rated:.2g} kW", control=control, of="the motor")
+        return {
+            "what": "An oil-flooded air package",
+            "kind": "Air package",
+            "rated_by": "this machine",
+            "humid": HUMID,
+            "around": before + behind + fan,
+        }
+    if stage.second:
+        around, place = BEHIND.format(least=least, coolant=f", coolant_temperature: {stage.coolant}"), "high"
+    else:
+        both = 2.0 * rated if stage.motors is None else 1e-3 * stage.motors
+        fan = FAN.format(power=f"{FAN_SHARE * both:.2g} kW", control=control, of="both motors")
+        around, place = before + fan, "low"
+    what, kind = f"The {place} stage of an oil-flooded air package", f"Air package, {place} stage"
+    return {"what": what, "kind": kind, "rated_by": "both stages", "humid": "", "around": around}
 
 
 def _rated_power(asked: SceneRequest, taken: float) -> float:
@@ -229,27 +282,27 @@ def _package_work(duty: Duty) -> float:
 
 def _speeds(asked: SceneRequest, rated: float, speed: float) -> dict[str, str]:
     """Return the parts that differ between packages of fixed and variable speed, with a motor of rated power [kW]."""
-    motor = motor_values(rated)
+    motor, alone = motor_values(rated), asked.stage is None
     if not asked.variable:
         return {
             "driven": texts.filled("fixed_speed", motor),
-            "valve": "    inlet_valve: {pressure_loss: 15 mbar}\n",
-            "fan_control": "",
-            "sweep": "    unloaded: {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}\n",
+            "sweep": "    unloaded: {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}\n" if alone else "",
         }
     inverter = {
         "share": f"{100.0 * INVERTER_LOSS_SHARE:g}",
         "loss": f"{INVERTER_LOSS_SHARE * rated:.3g} kW",
         "speed": sizes.rpm(speed),
     }
-    points = ", ".join(f"{share * speed / RPM:.0f} rpm" for share in SPEEDS)
     told = "# The points of its data sheet, from full speed to a third of it."
     return {
         "driven": texts.filled("variable_speed", {**motor, **inverter}),
-        "valve": "",
-        "fan_control": ", control: flow",
-        "sweep": f"\n{told}\nsweep:\n  operation.speed: [{points}]\n",
+        "sweep": f"\n{told}\nsweep:\n  operation.speed: [{swept_speeds(speed)}]\n" if alone else "",
     }
+
+
+def swept_speeds(speed: float) -> str:
+    """Return the speeds of the sheet of a variable-speed package, whose full speed [rad/s] is given."""
+    return ", ".join(f"{share * speed / RPM:.0f} rpm" for share in SPEEDS)
 
 
 def _title_part(asked: SceneRequest) -> str:

@@ -61,6 +61,7 @@ HEATING = Plant("Heat-pump screw", "R1234ze(E)", "10/65 degC", "heating")
 
 
 RATED_POWER_SOURCES = ("the next size of IEC 60072-1 above an estimate", "as stated")  # source of the rated power
+ABOVE_LOAD = "the next size of IEC 60072-1 above the load found"
 DEFAULT_DISPLACEMENT_FLOW = 600.0 / 3600.0  # [m³/s] default displacement
 
 
@@ -96,7 +97,7 @@ def scene_of(plant: Plant, asked: SceneRequest, blend_of: str = "") -> str:
     viscosity = "" if substitute is None else f",\n    gas_viscosity: {1e3 * substitute[1]:.3g} mPa s"
     values = {
         **conditions(duty, fluid),
-        **_drive(fluid, _power(fluid, duty, asked), asked.motor),
+        **_drive(fluid, asked.load or _power(fluid, duty, asked), asked.motor, asked.load is not None),
         **_supply(ratio, sizes.mm(bore, 2), cooled),
         "bore": sizes.mm(bore, 2),
         "jet": f"{1e-5 * drop:.2g} bar",
@@ -105,7 +106,7 @@ def scene_of(plant: Plant, asked: SceneRequest, blend_of: str = "") -> str:
         "ports": texts.ports(size, viscosity) + texts.shafts(size, viscosity),
         "rests": _evidence_comments(fluid),
         "made": _sizing_comment(asked, plant) + (EQUILIBRIUM.format(blend_of) if blend_of else ""),
-        "what": plant.what,
+        "what": plant.what if asked.stage is None else f"{plant.what}, {'high' if asked.stage.second else 'low'} stage",
         "fluid": fluid,
         "two_phase": texts.two_phase(fluid, cooled),  # on cooled oil gas may condense
         "oil": oil,
@@ -194,8 +195,8 @@ def _power(fluid: str, duty: Duty, asked: SceneRequest) -> float:
     return duty.gas_flow * more * worse * duty.work / EFFICIENCIES[1]
 
 
-def _drive(fluid: str, power: float, stated: float | None) -> dict[str, str]:
-    """Return the motor with the stated rated power [W], or with one chosen for an estimated power [W]."""
+def _drive(fluid: str, power: float, stated: float | None, found: bool) -> dict[str, str]:
+    """Return the motor with the stated rated power [W], or with one chosen for a power [W], estimated or found."""
     rated = sizes.motor_for(power) if stated is None else 1e-3 * stated
     told = "Semi-hermetic, in the suction gas, 92 % efficient as assumed by the source of validation/bitzer"
     motor = f"efficiency: {MOTOR_EFFICIENCY:g}, cooling: suction_gas"
@@ -203,7 +204,8 @@ def _drive(fluid: str, power: float, stated: float | None) -> dict[str, str]:
         told = "Open drive, as ammonia attacks copper: IE3, four poles (IEC 60034-30-1)"
         motor = sizes.motor_efficiency(rated)
     motor = f"{{rated_power: {rated:g} kW, {motor}}}"
-    return {"drive": told, "motor": motor, "rated": RATED_POWER_SOURCES[stated is not None]}
+    source = ABOVE_LOAD if found else RATED_POWER_SOURCES[stated is not None]
+    return {"drive": told, "motor": motor, "rated": source}
 
 
 def _reference(duty: Duty) -> tuple[float, float]:

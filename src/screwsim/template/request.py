@@ -41,6 +41,21 @@ class Condition:
 
 
 @dataclass(frozen=True)
+class Stage:
+    """What a machine is told as one stage of two: whether it is the `second`, and of a package what both share.
+
+    `ambient` [Pa] is the reference of gauge pressures, `coolant` and its temperature [K] what cools the second stage,
+    which draws in warm gas, and `motors` [W] the rated powers of both, by which the first states the fan.
+    """
+
+    second: bool
+    ambient: float = ATMOSPHERE
+    coolant: str = ""
+    T_coolant: float = 0.0
+    motors: float | None = None
+
+
+@dataclass(frozen=True)
 class SceneRequest:
     """Values that the command states, in SI units; None where the kind is to choose."""
 
@@ -62,6 +77,7 @@ class SceneRequest:
     molar: float | None = None  # delivered by a booster, [mol/s], of a flow at a standard state: its size is sought
     flow_text: str = ""  # what is to be delivered, as stated
     motor_text: str = ""  # the rated power, as stated
+    stage: Stage | None = None  # of two in series
 
     @property
     def by_sheet(self) -> bool:

@@ -94,8 +94,11 @@ def shafts(size: sizes.Size, viscosity: str = "") -> str:
     return filled("shafts", values)
 
 
-def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None) -> str:
-    """Return the entries of a flooded gas machine with an outlet temperature [K]; sizes as in configs/air."""
+def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None, coolant: str = "") -> str:
+    """Return the entries of a flooded gas machine with an outlet temperature [K]; sizes as in configs/air.
+
+    `coolant` is the temperature of what cools its oil, as stated in a scene, where that is not the gas at its inlet.
+    """
     big = size.diameter / 0.240
     kept, conductance = UNBOUNDED_COOLER, ""
     if cooler is not None:
@@ -105,6 +108,7 @@ def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None) ->
         )
         kept = BOUNDED_COOLER.format(room=room, basis=basis)
         conductance = f", conductance: {1e-3 * cooler.conductance:.2g} kW/K"
+        conductance += f", coolant_temperature: {coolant}" if coolant else ""
     values = {
         "ports": ports(size) + shafts(size),
         "leaves": f"{leaves - ZERO_CELSIUS:.0f} degC",

@@ -13,6 +13,7 @@ WEAK_VALUE = 0.02  # of the largest singular value of the scaled slopes: below i
 LEAST_SINGULAR_VALUE = 1e-100  # smallest singular value whose inverse can be squared
 # of the bounds' distance: a larger standard error carries no information, even where it is the smallest
 UNINFORMATIVE = 1.0
+NOTHING = 1e3  # of the bounds' distance: the standard error of a parameter on which no figure depends noticeably
 BOUND_DISTANCE = 5e-3  # of the bounds' distance: nearer counts as at the bound
 LEAST_COMPONENT = 0.25  # of the largest component: least component that belongs to a combination
 
@@ -36,7 +37,8 @@ class UndeterminedCombination:
 class Certainty:
     """Certainty of the parameters: standard errors [SI] and correlations of those that are not at a bound.
 
-    `border` names the bound, else it is empty.
+    `border` names the bound, else it is empty. `blank` has the parameters, by index, on which no figure of the points
+    depends noticeably; they have no standard error and leave those of the others as they are.
     """
 
     errors: tuple[float | None, ...]
@@ -44,6 +46,7 @@ class Certainty:
     border: tuple[str, ...]
     open: tuple[UndeterminedCombination, ...]
     singular: tuple[float, ...]  # singular values of the scaled slopes, over the largest
+    blank: frozenset[int] = frozenset()
 
 
 def active_bounds(places: Array) -> tuple[str, ...]:
@@ -66,12 +69,13 @@ def certainty(
     parameters whose priors are correlated (`together`, by index), `apart` are the slopes as if they were not.
     """
     at = active_bounds(places)
-    free = [index for index, border in enumerate(at) if not border]
-    n = len(parameters)
+    n, blank = len(parameters), frozenset(np.flatnonzero(np.linalg.norm(slopes, axis=0) * NOTHING < 1.0).tolist())
+    free = [index for index, border in enumerate(at) if not border and index not in blank]
     errors: list[float | None] = [None] * n
     matrix: list[list[float | None]] = [[None] * n for _ in range(n)]
     if free:
-        _, s, v = np.linalg.svd(_with_bounds(slopes, residuals, free), full_matrices=False)
+        held = [index for index in range(n) if index not in free and index not in blank]
+        _, s, v = np.linalg.svd(_with_bounds(slopes, residuals, free, held), full_matrices=False)
         scaled = (v.T * _inverse(s))[: len(free)]
         deviation = np.sqrt(np.sum(scaled**2, axis=1))
         correlation = np.clip((scaled @ scaled.T) / np.outer(deviation, deviation), -1.0, 1.0)
@@ -81,16 +85,15 @@ def certainty(
             for column, other in enumerate(free):
                 matrix[index][other] = float(correlation[row, column])
     share, found = undetermined_combinations(parameters, slopes, slopes if apart is None else apart, together)
-    return Certainty(tuple(errors), tuple(map(tuple, matrix)), at, found, share)
+    return Certainty(tuple(errors), tuple(map(tuple, matrix)), at, found, share, blank)
 
 
-def _with_bounds(slopes: Array, residuals: Array, free: Sequence[int]) -> Array:
-    """Return the slopes of the free parameters, then those at a bound, each of these with a residual of its own.
+def _with_bounds(slopes: Array, residuals: Array, free: Sequence[int], held: Sequence[int]) -> Array:
+    """Return the slopes of the free parameters, then those held at a bound, each of these with a residual of its own.
 
     Their mean square distance from the bound is 1/3 where the data say nothing (even between both bounds), and 2/g²
     where half of chi squared rises with the slope g from the bound on (exponential).
     """
-    held = [index for index in range(slopes.shape[1]) if index not in free]
     rise = slopes[:, held].T @ residuals
     own = np.hstack([np.zeros((len(held), len(free))), np.diag(np.sqrt(3.0 + 0.5 * rise**2))])
     return np.vstack([slopes[:, [*free, *held]], own]) if held else slopes[:, free]
@@ -153,7 +156,9 @@ def _correlated_pairs(
 def _combination(
     parameters: Sequence[Parameter], moves: Array, strength: float, span: float
 ) -> UndeterminedCombination:
-    paths, says = tuple(parameter.path for parameter in parameters), _combination_in_words(parameters, moves)
+    paths = tuple(parameter.path for parameter in parameters)
+    nothing = len(paths) == 1 and span >= NOTHING
+    says = f"no figure of these points depends on {paths[0]}" if nothing else _combination_in_words(parameters, moves)
     return UndeterminedCombination(paths, tuple(map(float, moves)), strength, span, says)
 
 

@@ -1,12 +1,16 @@
 """Read FIT.yaml: the scene, the parameters, the data; each fault is reported with its line. And its JSON Schema."""
 
 import dataclasses
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from screwsim.build import build_parts
+from screwsim.figures.curves import reading_of
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.suggestions import counted
 from screwsim.inputs.textfiles import MOST_YAML, Unreadable, read_text, shipped_name
 from screwsim.scene import Scene, leaf_of, load, without_sweep
 from screwsim.scene.axis import SPACING, read_fields
@@ -20,6 +24,11 @@ from screwsim.study.asked.varied import with_accuracy
 from screwsim.study.calibration.data import point_faults, read_points
 from screwsim.study.calibration.fit import DIFFERENCES, EXACT, Fit, Parameter, Point, Prior, Tie, prior_of
 
+SIGNS = {  # remedy for a positive power of an expander
+    "shaft_power": "write output_power, or negative values",
+    "electrical_power": "write negative values",
+}
+LIFE_ENDS = 1e-6  # [deg] by which an angle may exceed a chamber's life: rounding
 ACCURACY = 1e-4  # of the solutions of a fit, where neither the fit nor its scene asks for a better one
 HEAD_FIELDS = {
     "title": Leaf("word", "what is fitted", "", {}),
@@ -250,11 +259,43 @@ def _check(fit: Fit, rows: list[tuple[Point, Position]], root: Node, fixed: bool
     """
     start = fit.first_start()
     problems += point_faults((fit.at(point, start), place) for point, place in rows)
+    if not problems:
+        _refuse_angles_beyond_life(fit, start, rows, problems)
+        _refuse_power_of_other_sign(fit, rows, problems)
     data = sum(len(point.measured) for point in fit.fitted)
     priors = sum(prior_of(fit.scene, parameter) is not None for parameter in fit.parameters)
     if not data or (fixed and data + priors < len(fit.parameters)):
         what = f"{data} measured figures and {priors} priors cannot determine {len(fit.parameters)} parameters"
         problems.add(root.value["parameters"].heading, "parameters", f"{what} (fit fewer, or add data)")
+
+
+def _refuse_angles_beyond_life(
+    fit: Fit, start: Mapping[str, float], rows: list[tuple[Point, Position]], problems: LocatedFaults
+) -> None:
+    """Add a fault where a curve was measured at an angle that no chamber of the machine has, once a point."""
+    for point, place in rows:
+        if not point.traced:
+            continue
+        try:
+            life = math.degrees(build_parts(fit.at(point, start)).geometry.life)
+        except UsageError:
+            continue  # solving tells of it
+        angles = [reading.angle for name in point.measured if (reading := reading_of(name)) is not None]
+        beyond = [angle for angle in angles if angle > life + LIFE_ENDS]
+        if beyond:
+            number = counted(len(beyond), "angle")
+            what = f"{number} beyond the {life:.6g} deg of a chamber's life (from {min(beyond):g} deg on)"
+            remedy = "leave them out; angles count from where the chamber begins to grow"
+            problems.add(place, point.name, f"{what} ({remedy})")
+
+
+def _refuse_power_of_other_sign(fit: Fit, rows: list[tuple[Point, Position]], problems: LocatedFaults) -> None:
+    """Add a fault where the powers of an expander are positive at all points, which means that it takes them."""
+    for figure, remedy in SIGNS.items() if fit.scene.machine.expands else ():
+        found = [(point.measured[figure].value, place) for point, place in rows if figure in point.measured]
+        if found and all(value > 0.0 for value, _ in found):
+            what = "is positive at every point, as of a machine that takes power; what an expander gives is negative"
+            problems.add(found[0][1], figure, f"{what} ({remedy})")
 
 
 def fit_schema() -> dict[str, Any]:

@@ -5,7 +5,6 @@ highest whole number of revolutions per minute that it carries, and the lowest f
 same machine is also geared for each pressure, so that its motor has the load of the scene's own point.
 """
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
@@ -16,17 +15,15 @@ from screwsim.outputs.customary import RPM, in_bar
 from screwsim.outputs.us_units import PSI
 from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import lines
-from screwsim.scene.operation import P_D, SPEED
-from screwsim.study.asked.goals import Goal
-from screwsim.study.asked.spans import Span
+from screwsim.scene.operation import P_D
 from screwsim.study.datasheet.air_points import SHARE, Point, heads_of, point_row, points_at
 from screwsim.study.datasheet.bounds import Limit, motor_of
+from screwsim.study.datasheet.carried import carried_point, shaft_power, speed_in, speed_search
 from screwsim.study.datasheet.marks import marks_of
 from screwsim.study.datasheet.rated import faults_of, read_values
 from screwsim.study.datasheet.sheet import Table
 from screwsim.study.datasheet.units import METRIC, US, Units
 from screwsim.study.pool.progress import Progress
-from screwsim.study.seek import GoalSeekAnswer, Question, find_each
 
 OPTION, EXAMPLE = "--discharge", "8 bar, 9.5 bar, 11 bar"
 VALUES_PER_RANGE = 5
@@ -62,7 +59,7 @@ def read_pressures(outlet: Scene, inlet: float, text: str | None, swept: Sequenc
     """
     if text is None:
         return tuple(swept)
-    pressures = read_values(outlet, P_D, text, OPTION, EXAMPLE, VALUES_PER_RANGE)
+    pressures = read_values(outlet, P_D, text, OPTION, EXAMPLE, VALUES_PER_RANGE, least=1)
     for pressure in pressures:
         if pressure <= inlet:
             what = f"{in_bar(pressure)} is not above the {in_bar(inlet)} of the inlet (choose a higher one)"
@@ -73,28 +70,25 @@ def read_pressures(outlet: Scene, inlet: float, text: str | None, swept: Sequenc
 
 
 def at_pressures(
-    base: Scene, pressures: Sequence[float], speeds: Sequence[float], own: Point, progress: Progress
+    base: Scene, pressures: Sequence[float], speeds: Sequence[float], own: Point, variable: bool, progress: Progress
 ) -> list[AtPressure]:
-    """Return a package at outlet pressures [Pa], at the highest and the lowest of its speeds [rad/s].
+    """Return a package at outlet pressures [Pa], at variable speed at the highest and the lowest of its speeds [rad/s].
 
-    `own` is its point of full flow at its own outlet pressure, whose load of the motor others are geared to.
+    `own` is its point of full flow at its own outlet pressure, whose load of the motor others are geared to at fixed
+    speed.
     """
     scenes = [(pressure, with_values(base, {P_D: float(pressure)})) for pressure in pressures]
-    if len(speeds) > 1:
+    if variable:
         return [_at_variable_speed(pressure, scene, speeds, progress) for pressure, scene in scenes]
     return [_at_fixed_speed(pressure, scene, speeds[0], own, progress) for pressure, scene in scenes]
 
 
 def _at_variable_speed(pressure: float, scene: Scene, speeds: Sequence[float], progress: Progress) -> AtPressure:
-    full, lowest = points_at(scene, (speeds[0], speeds[-1]), progress)
-    power = float(motor_of(scene).rated_power)
-    if not (full.ok and lowest.ok) or not _shaft(lowest) < power < _shaft(full):
-        return AtPressure(pressure, full, lowest)
-    speed = _speed_in(_search(scene, power, (lowest.speed, full.speed)))
-    if speed is None:
-        return AtPressure(pressure, full, lowest)
-    carried = max(RPM * math.floor(speed / RPM), lowest.speed)
-    return AtPressure(pressure, points_at(scene, (carried,), Progress())[0], lowest, bounded=True)
+    """Return full flow, at a speed that the motor carries, and where there are several speeds the lowest flow."""
+    full, *others = points_at(scene, (speeds[0], *speeds[1:][-1:]), progress)
+    lowest = others[0] if others else None
+    carried = carried_point(scene, full, lowest)
+    return AtPressure(pressure, carried or full, lowest, bounded=carried is not None)
 
 
 def _at_fixed_speed(pressure: float, scene: Scene, speed: float, own: Point, progress: Progress) -> AtPressure:
@@ -102,8 +96,8 @@ def _at_fixed_speed(pressure: float, scene: Scene, speed: float, own: Point, pro
     if not own.ok:
         progress.advance(1, 1)
         return AtPressure(pressure, full)
-    answer = _search(scene, _shaft(own), (speed * GEARED[0], speed * GEARED[1]))
-    found = _speed_in(answer)
+    answer = speed_search(scene, shaft_power(own), (speed * GEARED[0], speed * GEARED[1]))
+    found = speed_in(answer)
     if found is None:
         geared = Point(
             speed, Result("failed", message=f"no speed loads the motor as at its own point: {answer.message}")
@@ -112,21 +106,6 @@ def _at_fixed_speed(pressure: float, scene: Scene, speed: float, own: Point, pro
         (geared,) = points_at(scene, (RPM * round(found / RPM),), Progress())
     progress.advance(1, not geared.ok)
     return AtPressure(pressure, full, geared=geared)
-
-
-def _search(scene: Scene, power: float, ends: tuple[float, float]) -> GoalSeekAnswer:
-    """Return the search for the speed between two others [rad/s] at which a shaft takes a power [W]."""
-    (answer,) = find_each(scene, Question((Span(SPEED, *ends),), (Goal("shaft_power", power),)), jobs=1)
-    return answer
-
-
-def _speed_in(answer: GoalSeekAnswer) -> float | None:
-    """Return the speed [rad/s] that a search has found; None where none takes that power, only one near it."""
-    return answer.values.get(SPEED) if answer.status == "ok" else None
-
-
-def _shaft(point: Point) -> float:
-    return float(point.result.performance["shaft_power"])
 
 
 def over_inlet(pressure: float, inlet: float, units: Units) -> str:
@@ -198,7 +177,7 @@ def _table(
 
 def _share_of_motor(point: Point, scene: Scene) -> str:
     """Return the load of the motor in percent of its rated power; '' for a point that did not close."""
-    return f"{100.0 * _shaft(point) / motor_of(scene).rated_power:.0f}" if point.ok else ""
+    return f"{100.0 * shaft_power(point) / motor_of(scene).rated_power:.0f}" if point.ok else ""
 
 
 def pressures_document(

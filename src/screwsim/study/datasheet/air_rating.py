@@ -1,7 +1,8 @@
 """Rating of an air package: its points from full to lowest flow, unloaded, and by 10 CFR 431.345 (M349).
 
 A scene that sweeps operation.speed is one of variable speed, and its speeds are the points; else the speed is fixed. A
-package with a fan is air-cooled, one without is liquid-cooled.
+package with a fan is air-cooled, one without is liquid-cooled. At variable speed full flow is at the highest speed of
+the sweep, or at the highest that the motor carries, where that is lower.
 """
 
 from collections.abc import Sequence
@@ -20,6 +21,7 @@ from screwsim.study.asked.goals import Bound
 from screwsim.study.datasheet.air_points import EFFICIENCY, Point, points_at
 from screwsim.study.datasheet.air_pressures import AtPressure, at_pressures, read_pressures
 from screwsim.study.datasheet.bounds import motor_of
+from screwsim.study.datasheet.carried import carried_point
 from screwsim.study.datasheet.hottest_room import Room, hottest_rooms
 from screwsim.study.datasheet.load_unload import PATH, LoadUnload, Receiver, check_receiver
 from screwsim.study.datasheet.rated import base_of, swept_values
@@ -56,7 +58,10 @@ class Regulation:
 
 @dataclass(frozen=True)
 class Rating:
-    """Points from full to lowest flow, the unloaded one where the scene defines it, and the regulation."""
+    """Points from full to lowest flow, the unloaded one where the scene defines it, and the regulation.
+
+    `overloaded` is the point at the highest speed of the sweep, where the motor carries full flow only at a lower one.
+    """
 
     points: Sequence[Point]
     unloaded: Point | None
@@ -68,6 +73,7 @@ class Rating:
     receiver: Receiver | None = None
     control: LoadUnload | None = None
     pressures: Sequence[AtPressure] = ()
+    overloaded: Point | None = None
 
     @property
     def full(self) -> Point:
@@ -98,9 +104,14 @@ def rating(
     vents = receiver is not None and package.unloaded is not None
     if receiver is not None:
         check_receiver(receiver, lines(base).p_s, lines(base).p_d, package.unloaded)
+    overloaded = None
     progress.start(len(speeds) + (package.unloaded is not None) + vents + len(bounds) + 2 * len(outlets), 0)
     try:
         points = points_at(base, speeds, progress)
+        carried = carried_point(base, points[0], points[-1] if len(points) > 1 else None) if variable else None
+        if carried is not None:
+            overloaded = points[0]
+            points = [carried, *(point for point in points if point.speed < carried.speed)]
         if package.unloaded is not None:
             idle = points_at(with_values(base, {STATE: UNLOADED}), speeds[-1:], progress)[0]
         if vents:
@@ -108,15 +119,19 @@ def rating(
             shut = points_at(full, speeds[-1:], progress)[0]
         regulation = _regulation(base, points, variable, coolant, progress) if points[0].flow > 0.0 else None
         rooms = []
-        for room in hottest_rooms(with_values(base, {SPEED: float(speeds[0])}), bounds, points[0].result):
+        for room in hottest_rooms(with_values(base, {SPEED: points[0].speed}), bounds, points[0].result):
             rooms.append(room)
             progress.advance(1, room.temperature is None)
-        others = at_pressures(base, outlets, speeds, points[0], progress)
+        others = at_pressures(base, outlets, speeds, points[0], variable, progress)
     finally:
         progress.stop()
     control = None if receiver is None else control_of(receiver, lines(base), points, package.unloaded, shut, idle)
     return Rating(
-        *(points, idle, regulation, variable, coolant, rooms), receiver=receiver, control=control, pressures=others
+        *(points, idle, regulation, variable, coolant, rooms),
+        receiver=receiver,
+        control=control,
+        pressures=others,
+        overloaded=overloaded,
     )
 
 

@@ -4,7 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from screwsim.effects.air_package import FREE_AIR, INPUT_POWER
+from screwsim.effects.parts.coolant import FLOW as COOLANT
+from screwsim.effects.parts.coolant import RISE as COOLANT_RISE
 from screwsim.effects.parts.rating import WEIGHTS
+from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Result
 from screwsim.outputs.customary import MINUTE, RPM, with_printed_units
 from screwsim.outputs.us_units import CFM, PSI
@@ -40,7 +43,7 @@ SEPARATED, COOLED, PACKAGE_VAPOUR = "condensate_flow", "aftercooler_condensate_f
 DOCUMENT_FIGURES = (
     FREE_AIR, INPUT_POWER, SPECIFIC, EFFICIENCY, "shaft_power", "electrical_power", "fan_power", "discharge_pressure",
     "intake_pressure", "package_discharge_temperature", "package_heat", "oil_cooler_duty", "oil_cooler_load",
-    "aftercooler_duty", "package_discharge_pressure", MIXTURE, GAS_OUT, "oil_supply_temperature",
+    "aftercooler_duty", COOLANT, COOLANT_RISE, "package_discharge_pressure", MIXTURE, GAS_OUT, "oil_supply_temperature",
     "humidity_ratio", "pressure_dew_point", "package_dew_point", "water_flow", SEPARATED, COOLED, PACKAGE_VAPOUR,
     *LIFE_FIGURES,
 )  # fmt: skip
@@ -118,7 +121,7 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     at, effects, units = lines(scene), scene.effects, rated.units
     heat = units.heat
     package, motor, full = effects["air_package"].parameters, motor_of(scene), rated.full
-    speed = "fixed speed" if not rated.variable else f"variable speed, {len(rated.points)} points"
+    speed = "fixed speed" if not rated.variable else f"variable speed, {counted(len(rated.points), 'point')}"
     yield "package", f"rotary, lubricated, {rated.coolant}-cooled, {speed}"
     humid = f", relative humidity {_percent(scene.gas.relative_humidity)}" if scene.gas.relative_humidity else ""
     yield "inlet", f"{units.quantity('Pa', at.p_s)}, {units.degrees(at.T_s, '.1f')}, {scene.gas.name}{humid}"
@@ -128,6 +131,8 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     inverter = " with its inverter" if motor.inverts else ""
     eta = f", efficiency{inverter} {_percent(found['motor_efficiency'], 1)}" if found else ""
     yield "motor", f"{units.quantity('W', motor.rated_power)} rated{load}{eta}"
+    if (beyond := rated.overloaded) is not None:
+        yield "speed", _carried_speed(full, beyond, motor.rated_power, units)
     if package.fan is not None:
         yield "fan", f"{units.quantity('W', package.fan.power)}, {FAN_CONTROL[package.fan.control]}"
     if found:
@@ -143,11 +148,24 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
             if (mixed := found.get(MIXTURE)) is not None:
                 alone = f"the air alone at {units.degrees(found[GAS_OUT], '.1f')}"
                 yield "mixture", f"air and oil at {units.degrees(mixed, '.1f')}, {alone}"
+            if (flow := found.get(COOLANT)) is not None:
+                what = f"{units.quantity('m3 s-1', flow)} of {package.coolant.medium}"
+                yield "coolant", f"{what}, warmed by {units.difference(found[COOLANT_RISE])}, at full flow"
             yield "outlet", f"air at {units.degrees(found['package_discharge_temperature'], '.1f')}"
         if humid:
             yield "water", _water(found, units)
     yield from room_lines(rated.rooms, units, bool(scene.gas.relative_humidity))
     yield "zero flow", _unloaded(rated)
+
+
+def _carried_speed(full: Point, beyond: Point, rated: float, units: Units) -> str:
+    """Return in words that the motor carries full flow only at a lower speed than the highest stated."""
+    power = beyond.result.performance["shaft_power"]
+    taken = f"{units.quantity('W', power)} ({_percent(power / rated)})"
+    stated = f"{beyond.rotor_speed / RPM:.0f} rpm of the sweep"
+    return (
+        f"full flow at {full.rotor_speed / RPM:.0f} rpm, the highest that the motor carries: the {stated} take {taken}"
+    )
 
 
 def loss_in_words(pressure: float, units: Units) -> str:
@@ -238,6 +256,7 @@ def _document(scene: Scene, rated: Rating) -> dict[str, Any]:
         "title": scene.title,
         "speed": "variable" if rated.variable else "fixed",
         "coolant": rated.coolant,
+        **({"bounded_by_motor": rated.overloaded is not None} if rated.variable else {}),
         "inlet_pressure": at.p_s,
         "inlet_temperature": at.T_s,
         **({} if scene.gas.relative_humidity is None else {"inlet_relative_humidity": scene.gas.relative_humidity}),

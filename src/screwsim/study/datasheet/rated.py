@@ -209,15 +209,21 @@ def faults_of(base: Scene, values: dict[str, float]) -> list[str]:
 
 
 def read_values(
-    base: Scene, path: str, text: str, option: str, example: str, count: int | Callable[[float, float], int]
+    base: Scene,
+    path: str,
+    text: str,
+    option: str,
+    example: str,
+    count: int | Callable[[float, float], int],
+    least: int = 2,
 ) -> tuple[float, ...]:
     """Return the values [SI] of a path that a text states, ascending: a list 'A, B, C', or a range LOW..HIGH.
 
-    A range has `count` values, which may follow from its ends; bare numbers of a list have the unit of its last value.
-    Raises UsageError in one line.
+    A range has `count` values, which may follow from its ends; bare numbers of a list have the unit of its last value,
+    and a list has at `least` so many. Raises UsageError in one line.
     """
     both, listed = ends_of(text), [part.strip() for part in text.split(",")]
-    if both is None and (len(listed) < 2 or not all(listed)):
+    if both is None and (len(listed) < least or not all(listed)):
         raise UsageError(
             f"{option} {text}: is neither LOW..HIGH nor a list of values (write e.g. {option} '{example}')"
         )

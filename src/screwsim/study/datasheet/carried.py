@@ -1,0 +1,57 @@
+"""The highest speed that the motor of an air package carries, where it would be overloaded at a higher one."""
+
+import math
+
+from screwsim.outputs.customary import RPM
+from screwsim.scene import Scene
+from screwsim.scene.operation import SPEED
+from screwsim.study.asked.goals import Goal
+from screwsim.study.asked.spans import Span
+from screwsim.study.datasheet.air_points import Point, points_at
+from screwsim.study.datasheet.bounds import motor_of
+from screwsim.study.pool.progress import Progress
+from screwsim.study.seek import GoalSeekAnswer, Question, find_each
+
+SLOWEST = 0.4  # of a package's only speed, above which one is sought that its motor carries
+STEPS = 3  # of a revolution per minute by which the speed found is lowered while the motor is loaded beyond its rating
+
+
+def shaft_power(point: Point) -> float:
+    """Return the shaft power [W] of a point that closed."""
+    return float(point.result.performance["shaft_power"])
+
+
+def carried_point(scene: Scene, fast: Point, slow: Point | None) -> Point | None:
+    """Return the point at the highest whole number of revolutions per minute that the motor carries.
+
+    `fast` and `slow` are points of a scene without a sweep; without a slow one, the speed is sought above `SLOWEST` of
+    the fast one's. None where the motor carries the fast one, or not even the slow one, where one of them did not
+    close, and where no such speed is found or its point does not close.
+    """
+    rated = float(motor_of(scene).rated_power)
+    if not fast.ok or shaft_power(fast) <= rated:
+        return None
+    if slow is None:
+        (slow,) = points_at(scene, (SLOWEST * fast.speed,), Progress())
+    if not slow.ok or shaft_power(slow) >= rated:
+        return None
+    speed = speed_in(speed_search(scene, rated, (slow.speed, fast.speed)))
+    if speed is None:
+        return None
+    for lower in range(STEPS):  # the search and the point agree to the accuracy asked for
+        at = max(RPM * (math.floor(speed / RPM) - lower), slow.speed)
+        (point,) = points_at(scene, (at,), Progress())
+        if point.ok and shaft_power(point) <= rated:
+            return point
+    return None
+
+
+def speed_search(scene: Scene, power: float, ends: tuple[float, float]) -> GoalSeekAnswer:
+    """Return the search for the speed between two others [rad/s] at which a shaft takes a power [W]."""
+    (answer,) = find_each(scene, Question((Span(SPEED, *ends),), (Goal("shaft_power", power),)), jobs=1)
+    return answer
+
+
+def speed_in(answer: GoalSeekAnswer) -> float | None:
+    """Return the speed [rad/s] that a search has found; None where none takes that power, only one near it."""
+    return answer.values.get(SPEED) if answer.status == "ok" else None
