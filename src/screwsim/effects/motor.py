@@ -11,7 +11,7 @@ with `cooling: suction_gas` (semi-hermetic machines) it heats the gas on its way
 expander's generator loses the same at the same load. The ledger divides the shaft power, so it does not hold this loss.
 Above SERVICE_FACTOR times the rated power, or with an inverter the rated torque, there is a warning; above BREAKDOWN
 times a motor stalls (IEC 60034-12 asks for 1.6 to 2 times the rated torque, catalogues state up to 3.5), and the point
-has failed.
+has failed; above the rated speed of an inverter both fall with the speed squared.
 Parameters: rated_power, efficiency or efficiency_class with poles, constant_share or efficiency_file, cooling,
 drive_efficiency or inverter.
 """
@@ -203,6 +203,10 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
         if drive is not None:
             at = inverters.turning(drive, load, rated, figures.omega)
             share = max(share, at.torque)  # below rated speed the torque is more
+            if at.speed > 1.0 and at.pull > BREAKDOWN:
+                what = f"the motor's torque is {at.torque:.3g} times its rated one at {at.speed:.3g} times its rated speed"
+                least = f"no motor carries more than {BREAKDOWN / at.weakening**2:.3g} times there, in a weaker field"
+                return f"{what}: {least} (choose a larger one, or a higher effects.motor.inverter.rated_speed)", ()
             beyond = (*beyond, *inverters.told(at))
         if share <= SERVICE_FACTOR:
             return "", beyond

@@ -5,11 +5,13 @@ torque-producing current is proportional. P_i = ℓ [c_0 + c_1 i + (1 − c_0 �
 that of switching and conduction, and that of rectifier and choke. ℓ is the loss at 90 % of the frequency and full
 current, which EU 2019/1781 has makers state; or the law is fitted to the points that it has them state (M432). The
 motor's loss is ℓ_m P_r (1 + r) [c f^1.5 + (1 − c) i²] (M433): iron and friction by speed, copper by torque; for a motor
-given by a table, 1 + r times the table's loss, whose efficiencies have to be those at the speed of each load.
+given by a table, 1 + r times the table's loss, whose efficiencies have to be those at the speed of each load. Above the
+rated speed the voltage stays, so that the field weakens with 1/f: currents are those of i f, the first term stays c, and
+the breakdown torque falls with 1/f².
 Source: operating points: IEC 61800-9-2; 1.5: between hysteresis, 1, and eddies, 2 (textbook). The shares c_0, c_1 are
 estimated; r is 0.15 up to 90 kW and 0.25 above as we know IEC TS 60034-30-2, whose text was not at hand.
-Assumptions: torque and current in proportion, no field weakening: above rated speed there is a warning; the loss heats
-nothing that the machine's model sees.
+Assumptions: torque and field times current in proportion; above rated speed iron loses as much less as friction loses
+more; the loss heats nothing that the machine's model sees.
 Parameters: rated_speed; loss, standing_share, current_share or points_file; harmonic_loss.
 """
 
@@ -30,7 +32,7 @@ IRON = 1.5
 COLUMNS = "speed", "current", "loss"
 FEWEST, POOR = 5, 0.1  # fewest rows of a file; largest deviation of its fit, over the largest loss
 SMALL, SMALL_R, LARGE_R = 100e3, 0.15, 0.25  # [W] between the standard sizes 90 and 110 kW: r below it, and above
-WEAK = 1.02  # speed over the rated one above which the field would be weakened
+LEAST_BREAKDOWN = 1.6  # times the rated torque, of common motors: IEC 60034-12
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,21 @@ class Turning(NamedTuple):
     speed: float
     torque: float
 
+    @property
+    def weakening(self) -> float:
+        """The rated field over that of this speed: above the rated speed the voltage stays, and the field is 1/f."""
+        return max(self.speed, 1.0)
+
+    @property
+    def current(self) -> float:
+        """Current that gives the torque in this field, over the rated one."""
+        return self.torque * self.weakening
+
+    @property
+    def pull(self) -> float:
+        """Torque over the rated one that loads a motor of full field as near to its breakdown: that falls with 1/f²."""
+        return self.torque * self.weakening**2
+
 
 def turning(inverter: Inverter, power: float, rated: float, omega: float) -> Turning:
     """Return speed and torque of a motor of a rated power [W] that gives `power` [W] at a rotor speed omega [rad/s]."""
@@ -94,12 +111,12 @@ def loss_of(inverter: Inverter) -> tuple[float, float, float, float]:
 def inverter_loss(terms: tuple[float, float, float, float], at: Turning) -> float:
     """Return the loss of an inverter [W] (M431, M432)."""
     standing, current, square, power = terms
-    return standing + at.torque * (current + square * at.torque + power * at.speed)
+    return standing + at.current * (current + square * at.current) + power * at.torque * at.speed
 
 
 def motor_share(constant_share: float, at: Turning) -> float:
     """Return a motor's loss on a sinusoidal supply over that at its rated point (M433)."""
-    return constant_share * at.speed**IRON + (1.0 - constant_share) * at.torque**2
+    return constant_share * min(at.speed, 1.0) ** IRON + (1.0 - constant_share) * at.current**2
 
 
 @once_per_file
@@ -146,12 +163,14 @@ def _check_course(terms: tuple[float, float, float, float], slack: float) -> Non
 
 
 def told(at: Turning) -> tuple[str, ...]:
-    """Return the warning of a motor beyond its rated speed, empty within it."""
-    if at.speed <= WEAK:
+    """Return the warning of a motor in a weakened field whose torque comes near its breakdown; empty where none does."""
+    if at.speed <= 1.0 or at.pull <= LEAST_BREAKDOWN:
         return ()
-    what = f"the motor turns at {at.speed:.3g} times effects.motor.inverter.rated_speed"
+    least = LEAST_BREAKDOWN / at.weakening**2
     return (
-        f"{what}, where its field is weakened: its losses are outside the range of M433 (choose a higher rated_speed)",
+        f"the motor turns at {at.speed:.3g} times effects.motor.inverter.rated_speed with {at.torque:.3g} times its "
+        f"rated torque, and there one of the least breakdown torque, {LEAST_BREAKDOWN:g} times the rated one "
+        f"(IEC 60034-12), stalls at {least:.3g} times (choose a larger motor, or a higher rated_speed)",
     )
 
 
