@@ -6,13 +6,13 @@ that of switching and conduction, and that of rectifier and choke. ℓ is the lo
 current, which EU 2019/1781 has makers state; or the law is fitted to the points that it has them state (M432). The
 motor's loss is ℓ_m P_r (1 + r) [c f^1.5 + (1 − c) i²] (M433): iron and friction by speed, copper by torque; for a motor
 given by a table, 1 + r times the table's loss, whose efficiencies have to be those at the speed of each load. Above the
-rated speed the voltage stays, so that the field weakens with 1/f: currents are those of i f, the first term stays c, and
-the breakdown torque falls with 1/f².
+rated speed, or `full_field_speed`, the voltage stays, so that the field weakens with 1/f: a torque takes f times the
+current, the first term stays, and the breakdown torque falls with 1/f².
 Source: operating points: IEC 61800-9-2; 1.5: between hysteresis, 1, and eddies, 2 (textbook). The shares c_0, c_1 are
 estimated; r is 0.15 up to 90 kW and 0.25 above as we know IEC TS 60034-30-2, whose text was not at hand.
-Assumptions: torque and field times current in proportion; above rated speed iron loses as much less as friction loses
-more; the loss heats nothing that the machine's model sees.
-Parameters: rated_speed; loss, standing_share, current_share or points_file; harmonic_loss.
+Assumptions: torque and field times current in proportion; in a weaker field iron loses as much less as friction
+loses more; the loss heats nothing that the machine's model sees.
+Parameters: rated_speed, full_field_speed; loss, standing_share, current_share or points_file; harmonic_loss.
 """
 
 from dataclasses import dataclass, replace
@@ -61,6 +61,13 @@ class Inverter:
         le=2.0,
         hardly=(None, 0.5),
     )
+    full_field_speed: float | None = quantity(
+        "speed",
+        "speed up to which the voltage rises with the frequency, beyond which it stays and the field weakens (absent: "
+        "rated_speed; of windings for 230 V at 50 Hz on 400 V that of 87 Hz)",
+        None,
+        gt=0.0,
+    )
 
 
 def of_size(inverter: Inverter, rated: float) -> Inverter:
@@ -75,11 +82,12 @@ class Turning(NamedTuple):
 
     speed: float
     torque: float
+    full_field: float = 1.0  # speed up to which the field stays
 
     @property
     def weakening(self) -> float:
-        """The rated field over that of this speed: above the rated speed the voltage stays, and the field is 1/f."""
-        return max(self.speed, 1.0)
+        """The rated field over that of this speed: where the voltage stays, the field falls with 1/f."""
+        return max(self.speed / self.full_field, 1.0)
 
     @property
     def current(self) -> float:
@@ -94,8 +102,8 @@ class Turning(NamedTuple):
 
 def turning(inverter: Inverter, power: float, rated: float, omega: float) -> Turning:
     """Return speed and torque of a motor of a rated power [W] that gives `power` [W] at a rotor speed omega [rad/s]."""
-    speed = omega / inverter.rated_speed
-    return Turning(speed, abs(power) / rated / speed)
+    speed, full = omega / inverter.rated_speed, inverter.full_field_speed or inverter.rated_speed
+    return Turning(speed, abs(power) / rated / speed, full / inverter.rated_speed)
 
 
 def loss_of(inverter: Inverter) -> tuple[float, float, float, float]:
@@ -116,7 +124,7 @@ def inverter_loss(terms: tuple[float, float, float, float], at: Turning) -> floa
 
 def motor_share(constant_share: float, at: Turning) -> float:
     """Return a motor's loss on a sinusoidal supply over that at its rated point (M433)."""
-    return constant_share * min(at.speed, 1.0) ** IRON + (1.0 - constant_share) * at.current**2
+    return constant_share * min(at.speed, at.full_field) ** IRON + (1.0 - constant_share) * at.current**2
 
 
 @once_per_file
@@ -163,19 +171,22 @@ def _check_course(terms: tuple[float, float, float, float], slack: float) -> Non
 
 
 def told(at: Turning) -> tuple[str, ...]:
-    """Return the warning of a motor in a weakened field whose torque comes near its breakdown; empty where none does."""
-    if at.speed <= 1.0 or at.pull <= LEAST_BREAKDOWN:
+    """Return the warning of a motor in a weakened field with a torque near its breakdown; empty where there is none."""
+    if at.weakening <= 1.0 or at.pull <= LEAST_BREAKDOWN:
         return ()
     least = LEAST_BREAKDOWN / at.weakening**2
     return (
         f"the motor turns at {at.speed:.3g} times effects.motor.inverter.rated_speed with {at.torque:.3g} times its "
         f"rated torque, and there one of the least breakdown torque, {LEAST_BREAKDOWN:g} times the rated one "
-        f"(IEC 60034-12), stalls at {least:.3g} times (choose a larger motor, or a higher rated_speed)",
+        f"(IEC 60034-12), stalls at {least:.3g} times (choose a larger motor)",
     )
 
 
 def faults(inverter: Inverter, path: str) -> Faults:
-    """Yield keys that an inverter lacks, or that state the same twice."""
+    """Yield keys that an inverter lacks, that state the same twice, or a field that weakens below the rated speed."""
+    if inverter.full_field_speed is not None and inverter.full_field_speed < inverter.rated_speed:
+        what = "is below rated_speed, where the motor has its rated field"
+        yield Fault(f"{path}.full_field_speed", f"{what} (write rated_speed or more, or remove it)")
     if inverter.points_file is not None:
         if inverter.loss is not None:
             yield Fault(
