@@ -111,9 +111,7 @@ CHOICES: Mapping[str, Callable[[Built, str], Scene]] = {
     f"{BY_FILMS}, end faces as a maker sets them": by_films,
     AS_TIPS: lambda built, flow: by_films(built, flow, as_tips=True),
     LADEN: lambda built, flow: by_films(built, flow, films_at="suction"),
-    "the same, as much as at discharge": lambda built, flow: by_films(built, flow, films_at="discharge"),
-    "as at suction, end faces as far as tips": lambda built, flow: by_films(built, flow, True, "suction"),
-    "as at discharge, end faces as far as tips": lambda built, flow: by_films(built, flow, True, "discharge"),
+    f"{LADEN}, end faces as far as tips": lambda built, flow: by_films(built, flow, True, "suction"),
     "end faces as a maker sets them, gas and oil through blow-holes at one speed, fitted again": fitted_again,
     "gas flashes from oil as suction ends": lambda built, flow: built(flow, dissolved(SUCTION)),
     "gas flashes as suction ends, 0.15 kg of oil per kg, all clearances times 0.6": lambda built, flow: tighter(
