@@ -1,5 +1,6 @@
 """An inverter and the motor behind it: each loss against a sum by hand, a maker's points, and what is refused."""
 
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -152,6 +153,10 @@ def test_points_too_narrow_to_tell_the_loss_elsewhere_are_refused(tmp_path):
         ),
         ("{rated_speed: 2950 rpm, points_file: none.csv}", "inverter.points_file: cannot be read"),
         (
+            "{rated_speed: 2950 rpm, loss: 3 kW, full_field_speed: 1475 rpm}",
+            "full_field_speed: is below rated_speed, where the motor has its rated field",
+        ),
+        (
             "{rated_speed: 2950 rpm, loss: 3 kW, standing_share: 0.7}",
             "current_share: exceeds the rest of the loss after standing_share",
         ),
@@ -168,10 +173,46 @@ def test_an_inverter_beside_a_constant_efficiency_is_refused():
         screwsim.load(POINT, sets)
 
 
-def test_a_weakened_field_is_warned_of():
-    assert inverter.told(inverter.turning(DRIVE, 0.5 * RATED, RATED, 1.01 * SPEED)) == ()
-    (warning,) = inverter.told(inverter.turning(DRIVE, 0.5 * RATED, RATED, 1.5 * SPEED))
-    assert "its field is weakened" in warning
+@pytest.mark.parametrize(("share", "speed"), [(0.5, 1.5), (1.0, 1.5), (0.8, 2.0)])
+def test_above_its_rated_speed_a_motor_takes_the_current_of_its_power(share, speed):
+    """In a field of 1/f a torque takes f times the current: copper by the power, whatever the speed (M433)."""
+    rated = RATED * (1 / 0.95 - 1)
+    own, inverters = losses(share * RATED, speed * SPEED)
+    assert own == pytest.approx(rated * (0.4 + 0.6 * share**2), rel=1e-12)
+    assert inverters == pytest.approx(LOSS * (0.3 + 0.4 * share + 0.3 * share / 0.9), rel=1e-12)
+
+
+@pytest.mark.parametrize("full", [1.0, 1.74])
+def test_losses_have_no_step_where_the_field_begins_to_weaken(full):
+    drive = replace(DRIVE, full_field_speed=full * SPEED)
+    below, above = (losses(0.8 * RATED, full * speed * SPEED, drive) for speed in (1.0 - 1e-9, 1.0 + 1e-9))
+    assert below == pytest.approx(above, rel=1e-8)
+
+
+def test_where_the_voltage_rises_on_above_the_rated_speed_the_field_stays():
+    """At full torque and 1.5 times the speed copper loses what it does at rated speed, iron 1.5^1.5 as much."""
+    drive = replace(DRIVE, full_field_speed=1.74 * SPEED)
+    rated = RATED * (1 / 0.95 - 1)
+    assert losses(1.5 * RATED, 1.5 * SPEED, drive)[0] == pytest.approx(rated * (0.4 * 1.5**1.5 + 0.6), rel=1e-12)
+    beyond = rated * (0.4 * 1.74**1.5 + 0.6 * (2.0 / 1.74) ** 2)
+    assert losses(2.0 * RATED, 2.0 * SPEED, drive)[0] == pytest.approx(beyond, rel=1e-12)
+    assert judged(1.5 * RATED, 1.5 * SPEED, inverter=drive) == ("", ())
+    (warning,) = judged(2.4 * RATED, 2.0 * SPEED, inverter=drive)[1]
+    assert "the motor's current is 1.38 times its rated one" in warning
+
+
+@pytest.mark.parametrize(("speed", "told"), [(1.0, False), (1.39, False), (1.41, True)])
+def test_a_motor_of_the_least_breakdown_torque_would_stall_where_its_field_is_weak(speed, told):
+    """1.15 times the rated power: its torque is 1.15/f of the rated one, and 1.6/f² is less from f = 1.6/1.15 on."""
+    why, warnings = judged(1.15 * RATED, speed * SPEED, inverter=DRIVE)
+    assert why == ""
+    assert any("stalls at" in each and "IEC 60034-12" in each for each in warnings) == told
+
+
+def test_no_motor_carries_its_rated_power_at_four_times_its_speed():
+    """3.5/f² falls below 1/f at 3.5 times the rated speed."""
+    assert judged(RATED, 3.45 * SPEED, inverter=DRIVE)[0] == ""
+    assert "no motor carries more than 0.219 times there" in judged(RATED, 4.0 * SPEED, inverter=DRIVE)[0]
 
 
 def judged(power, omega, **motors):

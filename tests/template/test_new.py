@@ -224,15 +224,43 @@ def test_templates_that_had_no_solution_or_warned_run(kind, stated):
     figures(kind, **stated)
 
 
-def test_a_small_slow_machine_on_dense_gas_has_a_solution_and_says_that_its_oil_takes_room():
-    """Leaks bring nearly four times the oil that is injected; three times as fast it fills no third of the chamber."""
+def test_oil_takes_room_in_a_small_slow_machine_on_dense_gas():
+    """Leaks bring nearly four times the oil that is injected: without room it would fill 44 % of the chamber."""
     slow = {"fluid": "CO2", "condition": "-10/25 degC", "displacement": "18 m^3/h", "speed": "900 rpm"}
-    told = screwsim.simulate(scene_of("heat_pump", **slow), trace=False)
-    roomy = screwsim.simulate(scene_of("heat_pump", **slow).with_({"effects.oil_volume": {}}), trace=False)
-    assert told.status == roomy.status == "ok" and not roomy.warnings
-    (warning,) = told.warnings
+    text = new_scene("heat_pump", request_of(**slow))
+    told = screwsim.simulate(screwsim.loads(text), trace=False)
+    assert (told.status, told.warnings) == ("ok", ())
+    without = screwsim.simulate(screwsim.loads(text, overrides=["effects.oil_volume=off"]), trace=False)
+    (warning,) = without.warnings
+    assert without.status == "ok"
     assert warning.startswith("the oil would fill 44% of the chamber") and "name effects.oil_volume" in warning
-    figures("heat_pump", **slow | {"speed": "2950 rpm"})
+    assert told.performance.volumetric_efficiency < without.performance.volumetric_efficiency - 0.05
+
+
+@pytest.mark.parametrize(
+    ("kind", "stated", "roomy"),
+    [
+        ("refrigeration", {}, False),
+        ("refrigeration", {"fluid": "CO2", "condition": "-30/-5 degC"}, True),  # 30 bar
+        ("refrigeration", {"fluid": "CO2", "condition": "-40/-15 degC"}, False),  # 23 bar
+        ("booster", {}, False),
+        ("booster", {"condition": "5/25 bar"}, True),
+    ],
+)
+def test_oil_takes_room_from_a_discharge_pressure_of_25_bar_on(kind, stated, roomy):
+    assert ("oil_volume" in scene_of(kind, **stated).effects) == roomy
+
+
+@pytest.mark.parametrize(("motor", "belts"), [("22 kW", True), ("30 kW", False)])
+def test_small_air_packages_of_fixed_speed_have_belts(motor, belts):
+    """Belts of 96.5 % pass the shaft power, some 1.2 times the indicated one: what they lose is a share of that."""
+    asked = request_of(displacement="250 m^3/h", motor=motor)
+    found = screwsim.simulate(screwsim.loads(new_scene("air", asked)), trace=False).performance
+    passed = found.shaft_power - found.mechanical_power
+    assert found.mechanical_power / found.indicated_power == pytest.approx(0.044 if belts else 0.01, rel=1e-6)
+    if belts:
+        assert found.mechanical_power / passed == pytest.approx(1.0 / 0.965 - 1.0, rel=0.05)
+    assert "mechanical" not in screwsim.loads(new_scene("air", replace(asked, variable=True))).effects
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ from each_row import each_row
 import screwsim
 from screwsim.outputs import Figures, Result
 from screwsim.scene import value_at
+from screwsim.simulate import simulate
 from screwsim.study.calibration import read_fit
 from screwsim.study.validation import NotRun, read_table, sibling
 from screwsim.template import reciprocating
@@ -144,6 +145,26 @@ def test_friction_by_films_has_the_clearances_of_the_machine_and_of_a_maker(comp
         assert (tip, end) == pytest.approx((gap, leak), rel=1e-5)
         assert end / tip == pytest.approx(1.0 if as_tips else 50.0 / 26.0, rel=1e-5)  # 129 mm: in proportion to 160
         assert "mechanical" not in scene.effects
+
+
+def test_films_of_oil_that_holds_gas_rub_less_and_what_it_holds_flashes(compare_of):
+    compare = compare_of("hsk")
+    pure, laden = (compare.choices.by_films(compare.new, "192", films_at=line) for line in ("", "suction"))
+    parameters = laden.effects["refrigerant_solubility"].parameters
+    assert (parameters.films_at, "oil_injection" in laden.effects) == ("suction", True)
+    dry, wet = (simulate(scene, trace=False).performance for scene in (pure, laden))
+    assert wet.oil_drag_power < 0.9 * dry.oil_drag_power and wet.flash_mass_flow > 0.0
+
+
+def test_the_machine_that_was_fitted_again_is_of_the_stored_fit_and_as_large_as_the_new_one(compare_of):
+    compare = compare_of("hsk")
+    again = compare.choices.fitted_again(compare.new, "192")
+    stored = json.loads((HSK.parent / "bitzer" / "ends_fitted" / "fit.json").read_text())["parameters"]
+    tip, flank, end = (value_at(again, path) for path in compare.choices.GAPS)
+    written = value_at(compare.new("192"), "effects.tip_leakage.gap")
+    assert tip == flank == pytest.approx(written / 26e-6 * stored["effects.tip_leakage.gap"]["value"], rel=1e-9)
+    assert end / written == pytest.approx(50.0 / 26.0, rel=1e-9)
+    assert again.effects["blow_hole"].parameters.model == "homogeneous"
 
 
 def test_a_leak_of_one_flow_costs_each_size_the_same_flow_of_suction_gas(compare_of):

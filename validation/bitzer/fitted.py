@@ -6,6 +6,7 @@ Fitted by `screwsim calibrate validation/bitzer/machine.fit.yaml -o validation/b
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,8 @@ BASIS = "the source gives none; see above"
 ENDS = (2.45, 8.18)  # pressure ratios between which the loss of volumetric efficiency is compared
 GAPS = ("tip_leakage", "interlobe_leakage", "blow_hole", "end_face_leakage", "shaft_leakage")
 SEALED, DEAREST = 1e-4, 5
+AGAIN = "ends_fitted"  # of ends.fit.yaml
+SET_AS_MAKER = "end faces as a maker sets them, gas and oil through blow-holes at one speed, fitted again"
 
 
 def machine(here: Path) -> Path:
@@ -54,7 +57,7 @@ def rows(here: Path) -> list[Row]:
     """Return every point of the fit and of the prediction, then what the fit says and where the losses go."""
     found = {point.name: at(here, point) for point in points(here)}
     compared = [row for point in points(here) for row in _point_rows(point, found[point.name])]
-    return [*compared, *_fit_rows(here), *_loss_rows(here), _ledger_row(here)]
+    return [*compared, *_fit_rows(here), *_loss_rows(here), _ledger_row(here), *_again_rows(here, found)]
 
 
 def _point_rows(point: Point, found: Figures) -> list[Row]:
@@ -136,6 +139,30 @@ def _ledger_row(here: Path) -> Row:
         told.append(f"pi = {ratio:g}: {', '.join(shares)}")
     quantity = "fitted machine: exergy destroyed, % of the shaft power"
     return Row(quantity, "; ".join(told), None, "estimate", "no verdict", note="ledger of screwsim run")
+
+
+def _again_rows(here: Path, found: Mapping[str, Figures]) -> list[Row]:
+    """Return how far the fit is off where it predicts, and so of one with end faces as a maker sets them."""
+    again = here / AGAIN / "scene.yaml"
+    other = {point.name: solved(again, values=dict(point.values)).performance for point in points(here)}
+    named = {"fitted machine": found, f"tried: {SET_AS_MAKER}": other}
+    told = json.loads((here / AGAIN / "fit.json").read_text(encoding="utf-8"))["parameters"]
+    values = ", ".join(
+        f"{path.removeprefix('effects.')} {each['value'] * _unit(path)[0]:.4g} {_unit(path)[1]}".strip()
+        for path, each in told.items()
+    )
+    lines = []
+    for name, figures in named.items():
+        off = [
+            [100.0 * (figures[point.name][figure] - point.measured[figure].value) for figure in FIGURES]
+            for point in points(here)
+            if not point.fitted
+        ]
+        filled, work = np.sqrt(np.mean(np.square(off), axis=0))
+        quantity = f"{name}: rms of λ/η_s at the {len(off)} points that are predicted"
+        note = values if figures is other else ""
+        lines.append(Row(quantity, f"{filled:.2f}/{work:.2f} points", None, "estimate", "no verdict", note=note))
+    return lines
 
 
 def series(here: Path, figure: str) -> tuple[Series, Series]:

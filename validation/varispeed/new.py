@@ -26,7 +26,11 @@ points, shown = (sibling(HERE.parent / name) for name in ("varispeed/points.py",
 
 CONDITION = "-10/45 degC, 10 K"
 WRITTEN = "efficiency_class: IE3, cooling: suction_gas}"
-MOTOR = "efficiency: 0.90, cooling: suction_gas, inverter: {{rated_speed: 1475 rpm, loss: {loss:g} W}}}}"
+FULL_FIELD = 2566.5  # rpm at 87 Hz, as in machine.yaml
+MOTOR = (
+    "efficiency: 0.90, cooling: suction_gas, "
+    "inverter: {{rated_speed: 1475 rpm, full_field_speed: {full:g} rpm, loss: {loss:g} W}}}}"
+)
 INVERTER_SHARE = 0.03  # of the rated power, lost in the inverter: assumed, as in machine.yaml
 CLEARANCE, SHARE = "machine.clearance", 4.24  # % of the swept volume that is written
 SHARES = (2.0, 3.0, 3.5, 4.0, SHARE, 4.5, 5.0)
@@ -45,7 +49,7 @@ def new(model: str, displacement: str) -> Scene:
     if WRITTEN not in text:
         raise NotRun(f"the cylinder of {flow:g} m^3/h has no IE3 motor in the suction gas")
     rated_power = value_at(loads(text), "effects.motor.rated_power")
-    return loads(text.replace(WRITTEN, MOTOR.format(loss=INVERTER_SHARE * rated_power)))
+    return loads(text.replace(WRITTEN, MOTOR.format(full=FULL_FIELD, loss=INVERTER_SHARE * rated_power)))
 
 
 def by_model(ratings: Sequence[Any]) -> dict[str, list[Any]]:

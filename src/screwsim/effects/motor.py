@@ -11,7 +11,7 @@ with `cooling: suction_gas` (semi-hermetic machines) it heats the gas on its way
 expander's generator loses the same at the same load. The ledger divides the shaft power, so it does not hold this loss.
 Above SERVICE_FACTOR times the rated power, or with an inverter the rated torque, there is a warning; above BREAKDOWN
 times a motor stalls (IEC 60034-12 asks for 1.6 to 2 times the rated torque, catalogues state up to 3.5), and the point
-has failed.
+has failed; above the rated speed of an inverter both fall with the speed squared.
 Parameters: rated_power, efficiency or efficiency_class with poles, constant_share or efficiency_file, cooling,
 drive_efficiency or inverter.
 """
@@ -201,18 +201,25 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
         """Return a text where the motor cannot give its load (empty: it can), and warnings of an overload."""
         load, rated = abs(load_of(figures)), parameters.rated_power
         drive = parameters.inverter
-        share, beyond = load / rated, _too_good(parameters)
+        share, beyond, of = load / rated, _too_good(parameters), "power"
         if drive is not None:
             at = inverters.turning(drive, load, rated, figures.omega)
-            share = max(share, at.torque)  # below rated speed the torque is more
+            share = at.current  # that of the power above rated speed, below it more
+            if at.weakening > 1.0 and at.pull > BREAKDOWN:
+                what = (
+                    f"the motor's torque is {at.torque:.3g} times its rated one at {at.speed:.3g} times its rated speed"
+                )
+                least = f"no motor carries more than {BREAKDOWN / at.weakening**2:.3g} times there, in a weaker field"
+                return f"{what}: {least} (choose a larger one)", ()
             beyond = (*beyond, *inverters.told(at))
+            if at.speed < 1.0 or at.full_field > 1.0:
+                of = "torque" if at.weakening == 1.0 else "current"
         if share <= SERVICE_FACTOR:
             return "", beyond
         what = f"the motor's load is {1e-3 * load:.4g} kW, {load / rated:.3g} times effects.motor.rated_power"
-        if share > load / rated:
-            what = f"the motor's torque is {share:.3g} times its rated one, at {figures.omega * 30.0 / pi:.4g} rpm"
+        if of != "power":
+            what = f"the motor's {of} is {share:.3g} times its rated one, at {figures.omega * 30.0 / pi:.4g} rpm"
         if share > BREAKDOWN:
-            of = "power" if share == load / rated else "torque"
             return f"{what}: no motor carries more than {BREAKDOWN:g} times its rated {of} (choose a larger one)", ()
         lost = ", and its losses are outside the range of M148" if share > KNOWN_LOSS else ""
         why = f"{what}: it would not last above a service factor of {SERVICE_FACTOR:g} (NEMA MG 1){lost}"

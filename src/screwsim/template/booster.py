@@ -140,6 +140,7 @@ def booster(asked: SceneRequest) -> str:
         **motor_values(_rated_power(asked, gas_flow * taken)),
         "sheet": _size_comment(asked),
         "flooded": texts.flooded(size, leaves),
+        "room": texts.oil_room(duty.at.high),
         "fluid": fluid,
         "two_phase": texts.two_phase(fluid, _condenses(fluid, duty)),
         "oil": oil,

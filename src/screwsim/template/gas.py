@@ -28,6 +28,9 @@ SHUT_SHARE = 0.8  # ... of the rise at the most: a valve that opens above it hol
 LOST_BEFORE, LOST_BEHIND = 3.5e3, 36e3  # [Pa]: filter and valve; separator, valve and aftercooler of air.template
 COOLED, BROUGHT = 0.97, 1.1  # efficiency without friction with oil cooling; friction over that of films: estimates
 FAN_SHARE = 0.04  # of the motor
+BELTED = 22.0  # [kW] largest motor with V-belts, assumed: makers' small packages have them (Kaeser, manual of ASK T)
+GEARS = "0.01", "gears, typical"  # share of the indicated power, and comment
+BELTS = "0.044", "V-belts, 3.5 % of what they pass: 2 to 5 % (Gates), some 1.2 times the indicated power"
 INVERTER_LOSS_SHARE = 0.03  # of the motor, lost by an inverter at its class's point: 97 % as in configs/air, assumed
 SPEEDS = 1.0, 0.86, 0.73, 0.59, 0.46, 0.32  # of full speed, on the sheet of a variable-speed package
 COMMENT_WIDTH = 110  # columns of a comment
@@ -284,9 +287,11 @@ def _speeds(asked: SceneRequest, rated: float, speed: float) -> dict[str, str]:
     """Return the parts that differ between packages of fixed and variable speed, with a motor of rated power [kW]."""
     motor, alone = motor_values(rated), asked.stage is None
     if not asked.variable:
+        fraction, transmission = BELTS if rated <= BELTED else GEARS
         return {
-            "driven": texts.filled("fixed_speed", motor),
-            "sweep": "    unloaded: {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}\n" if alone else "",
+            "driven": texts.filled("fixed_speed", {**motor, "fraction": fraction, "transmission": transmission}),
+            "sweep": "    unloaded: {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}
+" if alone else "",
         }
     inverter = {
         "share": f"{100.0 * INVERTER_LOSS_SHARE:g}",

@@ -102,6 +102,7 @@ def scene_of(plant: Plant, asked: SceneRequest, blend_of: str = "") -> str:
         "bore": sizes.mm(bore, 2),
         "jet": f"{1e-5 * drop:.2g} bar",
         "transport": _transport(fluid, duty, substitute),
+        "room": texts.oil_room(duty.p_d),
         **texts.machine(size, asked, usual, duty.p_d / duty.p_s),
         "ports": texts.ports(size, viscosity) + texts.shafts(size, viscosity),
         "rests": _evidence_comments(fluid),

@@ -18,6 +18,7 @@ BOUNDED_COOLER = (
     "both rise together.\n  # {basis}; at 40 degC, up to which packages are usually made to run,\n  # "
     "80 to 95 degC follow."
 )
+DENSE = 25e5  # [Pa] discharge pressure from which oil takes up room: 1 to 9 points of lambda of screws on CO2
 
 
 class OilCooler(NamedTuple):
@@ -120,6 +121,11 @@ def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None, co
         "land": sizes.mm(0.003 * big, 2),
     }
     return filled("flooded", values)
+
+
+def oil_room(p_d: float) -> str:
+    """Return the entry by which oil takes up room, beside gas that is dense at its discharge pressure [Pa]; else ''."""
+    return filled("oil_room", {"dense": f"{1e-5 * DENSE:g} bar"}) if p_d >= DENSE else ""
 
 
 def two_phase(fluid: str, condenses: bool) -> str:

@@ -5,12 +5,14 @@ torque-producing current is proportional. P_i = ℓ [c_0 + c_1 i + (1 − c_0 �
 that of switching and conduction, and that of rectifier and choke. ℓ is the loss at 90 % of the frequency and full
 current, which EU 2019/1781 has makers state; or the law is fitted to the points that it has them state (M432). The
 motor's loss is ℓ_m P_r (1 + r) [c f^1.5 + (1 − c) i²] (M433): iron and friction by speed, copper by torque; for a motor
-given by a table, 1 + r times the table's loss, whose efficiencies have to be those at the speed of each load.
+given by a table, 1 + r times the table's loss, whose efficiencies have to be those at the speed of each load. Above the
+rated speed, or `full_field_speed`, the voltage stays, so that the field weakens with 1/f: a torque takes f times the
+current, the first term stays, and the breakdown torque falls with 1/f².
 Source: operating points: IEC 61800-9-2; 1.5: between hysteresis, 1, and eddies, 2 (textbook). The shares c_0, c_1 are
 estimated; r is 0.15 up to 90 kW and 0.25 above as we know IEC TS 60034-30-2, whose text was not at hand.
-Assumptions: torque and current in proportion, no field weakening: above rated speed there is a warning; the loss heats
-nothing that the machine's model sees.
-Parameters: rated_speed; loss, standing_share, current_share or points_file; harmonic_loss.
+Assumptions: torque and field times current in proportion; in a weaker field iron loses as much less as friction
+loses more; the loss heats nothing that the machine's model sees.
+Parameters: rated_speed, full_field_speed; loss, standing_share, current_share or points_file; harmonic_loss.
 """
 
 from dataclasses import dataclass, replace
@@ -30,7 +32,7 @@ IRON = 1.5
 COLUMNS = "speed", "current", "loss"
 FEWEST, POOR = 5, 0.1  # fewest rows of a file; largest deviation of its fit, over the largest loss
 SMALL, SMALL_R, LARGE_R = 100e3, 0.15, 0.25  # [W] between the standard sizes 90 and 110 kW: r below it, and above
-WEAK = 1.02  # speed over the rated one above which the field would be weakened
+LEAST_BREAKDOWN = 1.6  # times the rated torque, of common motors: IEC 60034-12
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,13 @@ class Inverter:
         le=2.0,
         hardly=(None, 0.5),
     )
+    full_field_speed: float | None = quantity(
+        "speed",
+        "speed up to which the voltage rises with the frequency, beyond which it stays and the field weakens (absent: "
+        "rated_speed; of windings for 230 V at 50 Hz on 400 V that of 87 Hz)",
+        None,
+        gt=0.0,
+    )
 
 
 def of_size(inverter: Inverter, rated: float) -> Inverter:
@@ -73,12 +82,28 @@ class Turning(NamedTuple):
 
     speed: float
     torque: float
+    full_field: float = 1.0  # speed up to which the field stays
+
+    @property
+    def weakening(self) -> float:
+        """The rated field over that of this speed: where the voltage stays, the field falls with 1/f."""
+        return max(self.speed / self.full_field, 1.0)
+
+    @property
+    def current(self) -> float:
+        """Current that gives the torque in this field, over the rated one."""
+        return self.torque * self.weakening
+
+    @property
+    def pull(self) -> float:
+        """Torque over the rated one that loads a motor of full field as near to its breakdown: that falls with 1/f²."""
+        return self.torque * self.weakening**2
 
 
 def turning(inverter: Inverter, power: float, rated: float, omega: float) -> Turning:
     """Return speed and torque of a motor of a rated power [W] that gives `power` [W] at a rotor speed omega [rad/s]."""
-    speed = omega / inverter.rated_speed
-    return Turning(speed, abs(power) / rated / speed)
+    speed, full = omega / inverter.rated_speed, inverter.full_field_speed or inverter.rated_speed
+    return Turning(speed, abs(power) / rated / speed, full / inverter.rated_speed)
 
 
 def loss_of(inverter: Inverter) -> tuple[float, float, float, float]:
@@ -94,12 +119,12 @@ def loss_of(inverter: Inverter) -> tuple[float, float, float, float]:
 def inverter_loss(terms: tuple[float, float, float, float], at: Turning) -> float:
     """Return the loss of an inverter [W] (M431, M432)."""
     standing, current, square, power = terms
-    return standing + at.torque * (current + square * at.torque + power * at.speed)
+    return standing + at.current * (current + square * at.current) + power * at.torque * at.speed
 
 
 def motor_share(constant_share: float, at: Turning) -> float:
     """Return a motor's loss on a sinusoidal supply over that at its rated point (M433)."""
-    return constant_share * at.speed**IRON + (1.0 - constant_share) * at.torque**2
+    return constant_share * min(at.speed, at.full_field) ** IRON + (1.0 - constant_share) * at.current**2
 
 
 @once_per_file
@@ -146,17 +171,22 @@ def _check_course(terms: tuple[float, float, float, float], slack: float) -> Non
 
 
 def told(at: Turning) -> tuple[str, ...]:
-    """Return the warning of a motor beyond its rated speed, empty within it."""
-    if at.speed <= WEAK:
+    """Return the warning of a motor in a weakened field with a torque near its breakdown; empty where there is none."""
+    if at.weakening <= 1.0 or at.pull <= LEAST_BREAKDOWN:
         return ()
-    what = f"the motor turns at {at.speed:.3g} times effects.motor.inverter.rated_speed"
+    least = LEAST_BREAKDOWN / at.weakening**2
     return (
-        f"{what}, where its field is weakened: its losses are outside the range of M433 (choose a higher rated_speed)",
+        f"the motor turns at {at.speed:.3g} times effects.motor.inverter.rated_speed with {at.torque:.3g} times its "
+        f"rated torque, and there one of the least breakdown torque, {LEAST_BREAKDOWN:g} times the rated one "
+        f"(IEC 60034-12), stalls at {least:.3g} times (choose a larger motor)",
     )
 
 
 def faults(inverter: Inverter, path: str) -> Faults:
-    """Yield keys that an inverter lacks, or that state the same twice."""
+    """Yield keys that an inverter lacks, that state the same twice, or a field that weakens below the rated speed."""
+    if inverter.full_field_speed is not None and inverter.full_field_speed < inverter.rated_speed:
+        what = "is below rated_speed, where the motor has its rated field"
+        yield Fault(f"{path}.full_field_speed", f"{what} (write rated_speed or more, or remove it)")
     if inverter.points_file is not None:
         if inverter.loss is not None:
             yield Fault(
