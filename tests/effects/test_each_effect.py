@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from each_row import each_row
+from scenes import balanced
 
 from screwsim.build import build_parts
 from screwsim.effects import catalogue
@@ -52,10 +53,7 @@ def test_the_page_has_every_row_as_the_script_has_it():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", each.ROWS)
 def test_mass_energy_and_entropy_close_with_the_effect_alone(name):
-    result = found(name)
-    assert result.status == "ok", result.message
-    balance = result.balance
-    assert max(balance.mass, balance.energy, balance.entropy) <= balance.bound
+    result = balanced(found(name))
     assert abs(result.ledger.relative_residue) < 1e-3
 
 
