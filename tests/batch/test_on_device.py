@@ -2,11 +2,11 @@
 
 import math
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 import simulated_device
+from folders import CONFIGS, ROOT
 
 from screwsim.batch import driver, on_device, simulate_courses, tasks
 from screwsim.codegen import machine
@@ -20,10 +20,9 @@ from screwsim.model.side_by_side import TURN
 from screwsim.scene import load
 from screwsim.simulate import simulate
 
-ROOT = Path(__file__).parents[2]
-POINT = ROOT / "configs" / "paper" / "point.yaml"
+POINT = CONFIGS / "paper" / "point.yaml"
 REAL = ROOT / "tests" / "plain" / "r134a.yaml"
-EVERYTHING = ROOT / "configs" / "everything.yaml"
+EVERYTHING = CONFIGS / "everything.yaml"
 WITHIN = 1e-3  # of their errors figures on a device differ from those of the processor
 
 

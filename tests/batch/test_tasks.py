@@ -5,10 +5,10 @@ import threading
 import time
 from contextvars import ContextVar
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import CONFIGS, ROOT
 from greenlet import GreenletExit, getcurrent
 
 from screwsim.batch import simulate_courses, tasks, together
@@ -20,7 +20,6 @@ from screwsim.scene import case, load
 from screwsim.simulate import simulate, simulate_many
 from screwsim.study.pool import limit
 
-ROOT = Path(__file__).parents[2]
 POINTS = 16
 SAMPLE = [
     "sweep.sample={kind: sobol, count: 16, seed: 3, over: {operation.speed: {from: 300 rpm, to: 6000 rpm}, "
@@ -94,7 +93,7 @@ def test_as_many_run_at_a_time_as_one_likes_however_deep_calls_may_be():
 
 def test_a_course_begins_each_point_from_those_before_it():
     speeds = "sweep.operation.speed={from: 2500 rpm, to: 3000 rpm, count: 12}"
-    scene = load(str(ROOT / "configs" / "paper" / "point.yaml"), [speeds])
+    scene = load(str(CONFIGS / "paper" / "point.yaml"), [speeds])
     courses = [[case(scene, k) for k in range(first, first + 4)] for first in (0, 4, 8)]
     found = simulate_courses(courses)
     for course, results in zip(courses, found, strict=True):
@@ -154,7 +153,7 @@ def test_turns_are_integrated_side_by_side_as_alone_and_leave_every_array_so(sam
 
 
 def paper_point():
-    return load(str(ROOT / "configs" / "paper" / "point.yaml"))
+    return load(str(CONFIGS / "paper" / "point.yaml"))
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])

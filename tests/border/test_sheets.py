@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from small_scene import SCENE
 
 from screwsim.effects.motor import read_table as read_motor
 from screwsim.effects.parts import inverter
@@ -15,19 +16,7 @@ from screwsim.scene import load
 from screwsim.study.validation import NotRun, read_table
 
 DECIMAL_COMMAS = "has 3 cells, but the first line has 2 (write decimal points, not decimal commas: one cell per column)"
-SCENE = """\
-machine:
-  rotor_diameter: 160 mm
-  rotor_length: 176 mm
-  volume: {max: 600 cm^3, phi_A: 60 deg}
-  suction_port: {area: 40 cm^2, phi_B: 60 deg}
-  discharge_port: {area: 12 cm^2, opens: 600 deg, phi_C: 640 deg}
-gas: {fluid: R134a}
-operation: {speed: 3000 rpm, suction: {pressure: 1.5 bar, temperature: 283 K}, discharge: {pressure: 12 bar}}
-effects: {suction_port: , discharge_port: }
-sweep:
-  operation.speed: {file: speeds.csv, column: speed, unit: rpm}
-"""
+SWEPT = SCENE + "sweep:\n  operation.speed: {file: speeds.csv, column: speed, unit: rpm}\n"
 
 
 def test_comments_and_empty_lines_say_nothing_and_lines_keep_their_numbers():
@@ -102,12 +91,12 @@ def test_a_decimal_comma_is_a_fault_in_every_kind_of_table(read, names, kind, tm
 
 
 def test_a_decimal_comma_in_a_swept_column_is_a_fault_at_the_axis(tmp_path):
-    (tmp_path / "x.yaml").write_text(SCENE, encoding="utf-8")
+    (tmp_path / "x.yaml").write_text(SWEPT, encoding="utf-8")
     (tmp_path / "speeds.csv").write_text("speed,note\n1000,a\n2000,5,b\n", encoding="utf-8")
     with pytest.raises(SceneError) as caught:
         load(tmp_path / "x.yaml")
     (line,) = caught.value.lines
-    assert line.endswith(f"x.yaml:11:20: sweep.operation.speed: speeds.csv line 3: {DECIMAL_COMMAS}")
+    assert line.endswith(f"x.yaml:18:20: sweep.operation.speed: speeds.csv line 3: {DECIMAL_COMMAS}")
 
 
 def test_tabs_between_cells_are_told():

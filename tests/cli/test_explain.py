@@ -1,9 +1,9 @@
 """`explain` tells what is simulated and what is not."""
 
 import re
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS
 
 import screwsim
 import screwsim.explain
@@ -11,8 +11,6 @@ from screwsim.effects import catalogue
 from screwsim.explain import explain
 from screwsim.machine.kinds import MACHINES
 from screwsim.scene.fields import leaf_paths
-
-CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def test_active_and_left_out_are_the_effects_that_the_machine_can_have(folder):

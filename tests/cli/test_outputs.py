@@ -2,17 +2,16 @@
 
 import json
 import os
-from pathlib import Path
 
 import pytest
 from each_row import each_row
+from folders import CONFIGS
 
 from screwsim import cli
 from screwsim.outputs import Figures, Result
 from screwsim.scene import load
 from screwsim.study.sweep import run_sweep
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 POINT, MAP = str(CONFIGS / "paper" / "point.yaml"), str(CONFIGS / "r134a" / "map.yaml")
 FIT = str(CONFIGS / "calibration" / "leakage.fit.yaml")
 ONE = ("--jobs", "1")

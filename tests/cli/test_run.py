@@ -2,15 +2,13 @@
 
 import importlib
 import json
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS
 
 import screwsim
 from screwsim.figures.engineering import shown_name
 from screwsim.outputs import BALANCE, LEDGER, NUMERICS, NUMERICS_TEXT, PERFORMANCE, Figures, Result
-
-CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def _document(text: str) -> dict:

@@ -1,9 +1,9 @@
 """What `screwsim explain --sources` says is to be cited."""
 
 import re
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS, ROOT
 from ruamel.yaml import YAML
 
 from screwsim.cli import exit_code
@@ -11,8 +11,7 @@ from screwsim.effects import catalogue
 from screwsim.explain.sources import TITLE, source_of, sources
 from screwsim.scene import load
 
-ROOT = Path(__file__).parents[2]
-POINT = ROOT / "configs" / "paper" / "point.yaml"
+POINT = CONFIGS / "paper" / "point.yaml"
 YEAR = re.compile(r"\b(?:19|20)\d\d\b")
 
 
@@ -39,7 +38,7 @@ def test_a_scene_lists_the_program_the_paper_the_gas_and_its_own_effects_alone()
 
 
 def test_a_blend_has_the_equation_of_each_component():
-    words = " ".join(sources(load(ROOT / "configs" / "r454b" / "point.yaml")).split())
+    words = " ".join(sources(load(CONFIGS / "r454b" / "point.yaml")).split())
     assert "TillnerRoth-JPCRD-1997 (R32), Lemmon-IJT-2022 (R1234yf)" in words
 
 

@@ -2,10 +2,10 @@
 
 import csv
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import CONFIGS
 
 import screwsim
 from screwsim import cli
@@ -14,7 +14,6 @@ from screwsim.machine.drive import run_up
 from screwsim.outputs import Figures
 from screwsim.solve import start_up
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 FIGURES = {
     "time": 1.5,
     "end_speed": 100.0 * np.pi,

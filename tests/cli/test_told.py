@@ -5,9 +5,8 @@ Others are read where their command is tested: `new` (tests/template), `find` an
 (test_impossible), pages and figures (tests/report).
 """
 
-from pathlib import Path
-
 import pytest
+from folders import CONFIGS, ROOT
 
 from screwsim.cli import exit_code
 from screwsim.machine.rotors.export import profile_csv
@@ -15,11 +14,10 @@ from screwsim.report.trace import case_title
 from screwsim.results import open_results
 from screwsim.study.validation import sibling
 
-ROOT = Path(__file__).parents[2]
 PLAIN = str(ROOT / "tests" / "plain" / "r134a.yaml")
-COMPACT = str(ROOT / "configs" / "r134a" / "compact.yaml")
-B = str(ROOT / "configs" / "rotors" / "b.yaml")
-PAPER = str(ROOT / "configs" / "paper" / "point.yaml")
+COMPACT = str(CONFIGS / "r134a" / "compact.yaml")
+B = str(CONFIGS / "rotors" / "b.yaml")
+PAPER = str(CONFIGS / "paper" / "point.yaml")
 
 
 def told(capsys, *arguments):

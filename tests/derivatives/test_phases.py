@@ -1,11 +1,11 @@
 """The border of the phases in derivatives: where heat capacity jumps, a change passes it as cycles do."""
 
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from closed_points import closed_scene
+from folders import CONFIGS
 from test_against_differences import all_differenced
 
 import screwsim
@@ -19,7 +19,6 @@ from screwsim.derivatives.rate_numbers import RateNumbers
 from screwsim.model.slots import S_RHO, S_T
 from screwsim.study.uncertainty.point import sensitivities
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 HUMID = (
     "effects.air_package=off",
     "effects.separator=off",

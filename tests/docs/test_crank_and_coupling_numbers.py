@@ -2,17 +2,16 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import ROOT
 
 from screwsim.machine.slider_crank import rod as rods
 from screwsim.machine.slider_crank import tolerance as law
 from screwsim.study.validation import sibling
 
 pytestmark = pytest.mark.around
-ROOT = Path(__file__).parents[2]
 CRANK, COUPLING = (
     (ROOT / "docs" / "reference" / f"{name}.md").read_text(encoding="utf-8").replace("−", "-")
     for name in ("slider-crank", "coupling")

@@ -2,13 +2,12 @@
 
 import re
 from itertools import pairwise
-from pathlib import Path
 
 from each_row import each_row
+from folders import ROOT
 
 from screwsim.effects import catalogue
 
-ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "model.md").read_text(encoding="utf-8")
 CRANK = (ROOT / "docs" / "reference" / "slider-crank.md").read_text(encoding="utf-8")
 

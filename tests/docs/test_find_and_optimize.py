@@ -2,14 +2,13 @@
 
 import json
 import re
-from pathlib import Path
 
 import pytest
+from folders import ROOT
 
 from screwsim.study.optimize.seasons import standards
 
 pytestmark = pytest.mark.around
-ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "how-to" / "find-and-optimize.md").read_text(encoding="utf-8")
 WORDS = " ".join(PAGE.split())  # wherever its lines break
 (PIECE,) = re.findall(r"^```python\n(.*?)^```$", PAGE, re.M | re.S)

@@ -1,14 +1,12 @@
 """The notebooks of docs/notebooks show what their cells give."""
 
-from pathlib import Path
-
 import nbformat
 import pytest
+from folders import ROOT
 
 from screwsim.study.validation import sibling
 
 pytestmark = pytest.mark.around
-ROOT = Path(__file__).parents[2]
 notebooks = sibling(ROOT / "docs" / "tools" / "notebooks.py")
 PAGES = sorted(notebooks.FOLDER.glob("*.ipynb"))
 

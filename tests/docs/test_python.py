@@ -2,12 +2,11 @@
 
 import re
 import shutil
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS, ROOT
 
 pytestmark = pytest.mark.around
-ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "how-to" / "python.md").read_text(encoding="utf-8")
 PIECES = re.findall(r"^```python\n(.*?)^```$", PAGE, re.M | re.S)
 
@@ -16,7 +15,7 @@ PIECES = re.findall(r"^```python\n(.*?)^```$", PAGE, re.M | re.S)
 def outcome(tmp_path_factory):
     """Run all pieces of the page in one module, in a folder with shipped scenes; return names and folder."""
     folder = tmp_path_factory.mktemp("page")
-    shutil.copytree(ROOT / "configs" / "paper", folder / "configs" / "paper")
+    shutil.copytree(CONFIGS / "paper", folder / "configs" / "paper")
     names: dict = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)

@@ -2,13 +2,12 @@
 
 import re
 import sys
-from pathlib import Path
 
 import pytest
+from folders import ROOT
 
 from screwsim.study.validation import sibling
 
-ROOT = Path(__file__).parents[2]
 made = sibling(ROOT / "docs" / "tools" / "reference_pages.py")
 equations = sys.modules["equations_page"]
 

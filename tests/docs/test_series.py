@@ -1,11 +1,10 @@
 """Pages with their own series of equations: no gaps, each with formula and source, and what the code cites is there."""
 
 import re
-from pathlib import Path
 
 import pytest
+from folders import ROOT
 
-ROOT = Path(__file__).parents[2]
 SERIES = {
     "S": ("slider-crank.md", "src/screwsim/machine/slider_crank"),
     "K": ("coupling.md", "src/screwsim/machine/drive"),

@@ -4,15 +4,14 @@ And that it is made without a warning, which a link to nowhere would be.
 """
 
 import re
-from pathlib import Path
 
 import pytest
+from folders import ROOT
 
 import screwsim
 from screwsim.study.validation import sibling
 
 pytestmark = pytest.mark.around
-ROOT = Path(__file__).parents[2]
 site = sibling(ROOT / "docs" / "tools" / "docs_site.py")
 
 

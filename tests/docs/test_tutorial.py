@@ -3,15 +3,14 @@
 import re
 import shlex
 import textwrap
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS, ROOT
 from shown import alike, commands, lines, missing
 
 from screwsim import cli
 
 pytestmark = pytest.mark.around
-ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "start" / "tutorial.md").read_text(encoding="utf-8")
 PIECES = re.compile(r"^```(?P<language>\w+)\n(?P<text>.*?)^```$|(?P<shell>(?:^    [^\n]*\n|^\n(?=    ))+)", re.M | re.S)
 
@@ -29,7 +28,7 @@ def run_python(text: str, capsys) -> None:
 @pytest.mark.slow
 def test_the_page_runs_from_its_first_line_to_its_last(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "configs").symlink_to(ROOT / "configs")
+    (tmp_path / "configs").symlink_to(CONFIGS)
     ran = 0
     for piece in PIECES.finditer(PAGE):
         if piece["language"] == "yaml":

@@ -6,10 +6,11 @@ import shutil
 import subprocess
 import sys
 from functools import cache
-from pathlib import Path
 
 import pytest
 from each_row import each_row
+from folders import ROOT
+from scenes import balanced
 
 from screwsim.build import build_parts
 from screwsim.effects import catalogue
@@ -20,7 +21,6 @@ from screwsim.machine.kinds import MACHINES
 from screwsim.simulate import simulate
 from screwsim.study.validation import sibling
 
-ROOT = Path(__file__).parents[2]
 each = sibling(ROOT / "docs" / "tools" / "each_effect.py")
 LIMITS = [name for name, row in each.ROWS.items() if not row.whole]
 PAGE = (ROOT / "docs" / "reference" / "effects.md").read_text(encoding="utf-8")
@@ -52,10 +52,7 @@ def test_the_page_has_every_row_as_the_script_has_it():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", each.ROWS)
 def test_mass_energy_and_entropy_close_with_the_effect_alone(name):
-    result = found(name)
-    assert result.status == "ok", result.message
-    balance = result.balance
-    assert max(balance.mass, balance.energy, balance.entropy) <= balance.bound
+    result = balanced(found(name))
     assert abs(result.ledger.relative_residue) < 1e-3
 
 
@@ -97,7 +94,6 @@ def test_it_vanishes_in_its_limit(name):
 
 WITHOUT_FILES = """
 import json, sys
-from pathlib import Path
 from screwsim.effects import catalogue
 from screwsim.scene import load
 from screwsim.simulate import simulate

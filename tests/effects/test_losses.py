@@ -1,10 +1,10 @@
 """Power losses and oil heat, from figures made up here."""
 
 import math
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from folders import CONFIGS
 
 from screwsim.build import build_parts
 from screwsim.effects import hydromechanical, mechanical, oil_heat, oil_pump
@@ -14,7 +14,6 @@ from screwsim.inputs.faults import SceneError
 from screwsim.scene import load
 from screwsim.simulate import simulate
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 OF_THEORETICAL = "effects.mechanical.of=theoretical_power"
 MACHINE = SimpleNamespace(lobes=4, swept_volume=1.692e-4, pitch=0.5 * math.pi)
 FIGURES = SimpleNamespace(
@@ -189,5 +188,5 @@ def test_no_flow_loses_nothing_in_the_pipe():
 
 def test_a_scene_without_a_line_has_no_figure_of_it():
     for change, there in (((), False), (("effects.oil_pump.line={length: 3 m, diameter: 20 mm}",), True)):
-        scene = load(Path(__file__).parents[2] / "configs" / "paper" / "point.yaml", change)
+        scene = load(CONFIGS / "paper" / "point.yaml", change)
         assert (oil_pump.LOSS in called_for(scene, build_parts(scene))) is there

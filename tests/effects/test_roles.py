@@ -1,10 +1,10 @@
 """Effects say what they are to the core: roles that are true, and what scenes of a machine usually name."""
 
 from dataclasses import fields, replace
-from pathlib import Path
 
 import pytest
 from each_row import each_row
+from folders import CONFIGS, ROOT
 
 from screwsim.build import build_parts
 from screwsim.effects import catalogue, having, stating
@@ -16,10 +16,9 @@ from screwsim.outputs import AFTERCOOLED, CHANGED, HEATED, HELD, PERFORMANCE, WA
 from screwsim.scene import load
 from screwsim.study.validation import sibling
 
-ROOT = Path(__file__).parents[2]
 each = sibling(ROOT / "docs" / "tools" / "each_effect.py")
-PISTON = ROOT / "configs" / "slider_crank" / "r134a.yaml"
-HUMID = ROOT / "configs" / "air" / "humid_package.yaml"
+PISTON = CONFIGS / "slider_crank" / "r134a.yaml"
+HUMID = CONFIGS / "air" / "humid_package.yaml"
 OF_FIGURES = (CHANGED[0], WALLED[0], HELD[0], AFTERCOOLED[1])  # heated are more than say so: whoever has T_oil
 OF_CORE = {WAY_IN, WAY_OUT, SUCTION_BACK, OIL_ROOM, PUMPS, SLIDES}  # which texts and names of the core ask for
 KEYS = {  # with which an effect has a role that it has by a key
@@ -63,7 +62,7 @@ def test_every_role_that_an_effect_has_is_one_that_somebody_asks_for():
 def test_an_effect_that_opens_a_way_leads_to_its_line(role, line):
     for name in (name for name, effect in catalogue().items() if role in effect.roles):
         kind = "twin_screw" if catalogue()[name].fits(MACHINES["twin_screw"]) else "slider_crank"
-        scene = load(ROOT / "configs" / "paper" / "point.yaml") if kind == "twin_screw" else load(PISTON)
+        scene = load(CONFIGS / "paper" / "point.yaml") if kind == "twin_screw" else load(PISTON)
         if name in scene.effects:
             paths = [path for path in build_parts(scene).effects[name] if isinstance(path, FlowPath)]
             assert line in {path.to for path in paths}, name

@@ -2,11 +2,11 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from cylinder_scenes import REEDS, RPM, cylinder
+from folders import CONFIGS
 from scenes import closed
 
 from screwsim.effects import check_valves, reed_valves
@@ -16,8 +16,6 @@ from screwsim.model.slots import FREE, LOOSE
 from screwsim.numerics.rodas import dense_value
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
-
-CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def test_a_free_reed_swings_at_its_own_frequency():

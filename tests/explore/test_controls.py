@@ -1,9 +1,9 @@
 """Each field of the page shows the scene's value, in a unit that reads back to it, on a slider that holds it."""
 
 import json
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS
 
 from screwsim.explore.changes import Changes, SceneArguments, open_base, overrides_of, scene_of
 from screwsim.explore.controls import document
@@ -11,7 +11,6 @@ from screwsim.explore.machine import document as drawn
 from screwsim.scene import value_at
 
 pytestmark = pytest.mark.around
-CONFIGS = Path(__file__).parents[2] / "configs"
 SCENES = (
     "paper/point.yaml",
     "everything.yaml",

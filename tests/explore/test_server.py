@@ -121,13 +121,6 @@ def test_a_solution_that_fails_has_its_reason(server):
         assert line.answer()["status"] == "ok"
 
 
-def test_what_an_effect_raises_is_told(moody):
-    with Line(moody) as line:
-        head = line.answer({MOOD: 1})
-        assert "in a bad mood" in head["message"]
-        assert line.answer()["status"] == "ok"
-
-
 def test_too_much_memory_is_refused(moody):
     with Line(moody) as line:
         head = line.answer({MOOD: 4})
@@ -135,17 +128,14 @@ def test_too_much_memory_is_refused(moody):
         assert line.answer()["status"] == "ok"
 
 
-def test_a_worker_that_dies_is_told_and_another_takes_its_place(moody):
+@pytest.mark.parametrize(
+    ("mood", "told"),
+    [(1, "in a bad mood"), (2, "was stopped after"), (3, "died with exit code 7")],
+    ids=["raises", "hangs", "dies"],
+)
+def test_what_an_effect_does_is_told_and_the_next_is_answered(moody, mood, told):
     with Line(moody) as line:
-        head = line.answer({MOOD: 3})
-        assert "died with exit code 7" in head["message"]
-        assert line.answer()["status"] == "ok"
-
-
-def test_a_solution_that_hangs_is_given_up(moody):
-    with Line(moody) as line:
-        head = line.answer({MOOD: 2})
-        assert "was stopped after" in head["message"]
+        assert told in line.answer({MOOD: mood})["message"]
         assert line.answer()["status"] == "ok"
 
 

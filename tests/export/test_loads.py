@@ -3,11 +3,11 @@
 import csv
 import json
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from CoolProp.CoolProp import PropsSI
+from folders import CONFIGS
 from rotor_mesh import ALONG, areas, centres, positions
 
 from screwsim.export import loads as exported
@@ -25,8 +25,7 @@ from screwsim.scene import load
 
 pytestmark = pytest.mark.around
 
-ROOT = Path(__file__).parents[2]
-COMPACT = str(ROOT / "configs" / "r134a" / "compact.yaml")
+COMPACT = str(CONFIGS / "r134a" / "compact.yaml")
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +76,7 @@ def test_the_surfaces_do_the_work_of_the_cycle(found):
 
 @pytest.mark.parametrize("name", ["a", "b", "c"])
 def test_the_surfaces_of_each_profile_do_the_work_of_a_compression(name):
-    laid = laid_curves(load(ROOT / "configs" / "rotors" / f"{name}.yaml").machine)
+    laid = laid_curves(load(CONFIGS / "rotors" / f"{name}.yaml").machine)
     angle = np.radians(np.arange(0.0, math.degrees(laid.life)))
     volume = laid.rotors.volume(np.clip(angle - laid.born, 0.0, laid.curves.life) + laid.rotors.start)
     closed = angle > laid.injection
@@ -107,7 +106,7 @@ def test_the_gas_pushes_the_rotors_apart_and_to_suction(found):
 def test_areas_that_give_the_forces_of_the_surfaces_are_those_of_model_md(name):
     """M146: the mean force of all loads on a rotor over the sum of the chambers' pressures above suction, over D²."""
     unit = "effects.gas_torque={radial_area: 1 cm^2, axial_area: 1 cm^2}"
-    scene, result = run_of(str(ROOT / "configs" / "rotors" / f"{name}.yaml"), [unit])
+    scene, result = run_of(str(CONFIGS / "rotors" / f"{name}.yaml"), [unit])
     c = loads_of(pressures_of(scene.machine, result), Supports(shafts=(0.07, 0.07)))[1]
     pressed = result.performance.radial_gas_force / 1e-4 * scene.machine.rotor_diameter**2
     for rotor, across, along in (("male", (0.06, 0.075), (0.09, 0.11)), ("female", (0.075, 0.1), (0.01, 0.035))):
@@ -138,7 +137,7 @@ def test_a_throttled_machine_presses_on_its_rotors_as_one_of_that_suction_pressu
     throttled = [*lines, "effects.suction_throttle.pressure_ratio=0.4"]
     found = []
     for overrides in (throttled, [*lines, "operation.suction.pressure=1.2 bar"]):
-        scene, result = run_of(str(ROOT / "configs" / "rotors" / "b.yaml"), overrides)
+        scene, result = run_of(str(CONFIGS / "rotors" / "b.yaml"), overrides)
         assert result.status == "ok"
         found.append(loads_of(pressures_of(scene.machine, result))[1])
     one, other = found
@@ -178,7 +177,7 @@ def test_flows_through_the_ports_have_the_mean_of_the_cycle(point):
 
 def test_an_expander_takes_in_where_it_would_discharge():
     """Both flows are along the machine, each at the density of its line (R134a of 20 bar, 100 °C and of 7 bar)."""
-    scene, result = run_of(str(ROOT / "configs" / "expander" / "point.yaml"))
+    scene, result = run_of(str(CONFIGS / "expander" / "point.yaml"))
     _, flows = flows_of(scene, result)
     p = result.performance
     for line, T in (("suction", 373.15), ("discharge", p.discharge_temperature)):
@@ -189,7 +188,7 @@ def test_an_expander_takes_in_where_it_would_discharge():
 
 
 def test_a_slide_valve_s_flows_belong_to_the_lines_that_it_opens_to():
-    scene, result = run_of(str(ROOT / "configs" / "control" / "slide_valve.yaml"))
+    scene, result = run_of(str(CONFIGS / "control" / "slide_valve.yaml"))
     _, flows = flows_of(scene, result)
     for line in ("suction", "discharge"):
         assert float(flows[f"{line}_mass_flow"].mean()) == pytest.approx(result.performance.gas_mass_flow, rel=0.03)
@@ -197,11 +196,11 @@ def test_a_slide_valve_s_flows_belong_to_the_lines_that_it_opens_to():
 
 def test_a_cylinder_has_no_loads_of_ports():
     with pytest.raises(UsageError, match="loads are those of a twin_screw"):
-        flows_of(*run_of(str(ROOT / "configs" / "slider_crank" / "air.yaml")))
+        flows_of(*run_of(str(CONFIGS / "slider_crank" / "air.yaml")))
 
 
 def test_chambers_pass_at_the_speed_that_a_motor_on_the_mains_reaches():
-    scene, result = run_of(str(ROOT / "configs" / "drive" / "induction.yaml"))
+    scene, result = run_of(str(CONFIGS / "drive" / "induction.yaml"))
     rotors = result.performance.mean_speed
     assert rotors < 0.98 * scene.operation.speed  # the slip of the motor
     assert exported.loads(scene, result).frequency == pytest.approx(4 * rotors / (2.0 * math.pi))

@@ -2,10 +2,10 @@
 
 import math
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import CONFIGS
 from rotor_mesh import end_loads, gas_loads
 
 from screwsim.export.rotor_loads import PITCH_POINTS, Pressures, Supports, loads_of
@@ -19,14 +19,13 @@ from screwsim.machine.rotors.sections import polygon_area
 from screwsim.machine.rotors.surface import surfaces
 from screwsim.scene import load
 
-ROOT = Path(__file__).parents[2]
 SPANS, SHAFTS = (0.04, 0.06), (0.06, 0.05)
 SUPPORTS = Supports((SPANS, SPANS), SHAFTS)
 
 
 @cache
 def laid_of(name: str) -> LaidCurves:
-    return laid_curves(load(ROOT / "configs" / "rotors" / f"{name}.yaml").machine)
+    return laid_curves(load(CONFIGS / "rotors" / f"{name}.yaml").machine)
 
 
 def compressed(laid: LaidCurves) -> Pressures:
@@ -165,7 +164,7 @@ def test_the_torques_are_those_of_virtual_work_whatever_lobes_and_wrap(lobes):
     profile += f"female_tip_radius: 6 mm, flank_radius: {rho} mm, pressure_angle: 33 deg, root_radius: 3 mm"
     sizes = f"male_lobes: {male}, female_lobes: {female}, rotor_diameter: {2 * R1} mm, rotor_length: 130 mm"
     changes = [f"machine={{{sizes}, built_in_volume_ratio: 2.5, profile: {{kind: rack, {profile}}}}}"]
-    one = compressed(laid_curves(load(ROOT / "configs" / "rotors" / "b.yaml", changes).machine))
+    one = compressed(laid_curves(load(CONFIGS / "rotors" / "b.yaml", changes).machine))
     angles, c = loads_of(one, SUPPORTS)
     size, pair = np.abs(c["male_torque"]).max(), one.laid.rotors.pair
     for name, within in (("male", 0.005), ("female", 0.02)):
@@ -203,7 +202,7 @@ def test_sectors_of_an_end_face_have_area_and_centroid_of_what_they_are():
 
 def test_the_normal_at_the_pitch_point_is_that_of_the_profile():
     for name in ("b", "c"):  # a straight rack flank at the pitch line
-        scene = load(ROOT / "configs" / "rotors" / f"{name}.yaml")
+        scene = load(CONFIGS / "rotors" / f"{name}.yaml")
         found = math.atan(slope_at_pitch(laid_curves(scene.machine).rotors, leading=True))
         assert found == pytest.approx(scene.machine.profile.pressure_angle, abs=math.radians(0.1))
     rotors = laid_of("a").rotors  # both flanks alike

@@ -5,7 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 from fuzz_space import RANGES, STRUCTURES, changes, drawn, is_real
-from scenes import make
+from scenes import balanced, make
 
 from screwsim.inputs.faults import SceneError
 from screwsim.simulate import simulate
@@ -68,7 +68,5 @@ def test_random_scenes(structure, seeds):
 
 def test_a_machine_that_moves_much_and_works_little_closes():
     """At 12 rpm and a pressure ratio of 1.002: half a watt at the shaft, 86 W of enthalpy to and fro."""
-    result = simulate(make(changes(*drawn(1, 9554))))
-    assert result.status == "ok"
+    result = balanced(simulate(make(changes(*drawn(1, 9554)))))
     assert result.performance.shaft_power < 1.0
-    assert max(result.balance[name] for name in ("mass", "energy", "entropy")) <= result.balance.bound

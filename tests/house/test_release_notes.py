@@ -1,12 +1,10 @@
 """The body of a release is its section of the changelog."""
 
-from pathlib import Path
-
 import pytest
+from folders import ROOT
 
 from screwsim.study.validation import sibling
 
-ROOT = Path(__file__).parents[2]
 CHANGELOG = """# Changelog
 
 ## 1.1.0 (unreleased)

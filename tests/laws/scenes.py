@@ -184,6 +184,14 @@ def make(changes: dict[str, Any] | None = None) -> Scene:
     return _read(json.dumps(scene_dict(changes)))
 
 
+def balanced(result: Result, *more: str) -> Result:
+    """Return a result that must be ok, with mass, energy, entropy and `more` of its balances within their bound."""
+    assert result.status == "ok", result.message
+    found = {name: abs(result.balance[name]) for name in ("mass", "energy", "entropy", *more)}
+    assert max(found.values()) <= result.balance.bound, (found, result.balance.bound)
+    return result
+
+
 def refusal(changes: dict[str, Any]) -> str:
     """Return why a scene with changes is refused."""
     with pytest.raises(SceneError) as caught:

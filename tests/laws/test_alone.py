@@ -1,8 +1,7 @@
 """A scene solved alone is nothing to the next: what was built for one gives the bits that building anew does."""
 
-from pathlib import Path
-
 import pytest
+from folders import CONFIGS, ROOT
 from scenes import make
 from test_closed_chamber import NO_EFFECTS
 
@@ -10,8 +9,7 @@ from screwsim.cycle import problem
 from screwsim.scene import load
 from screwsim.simulate import simulate
 
-ROOT = Path(__file__).parents[2]
-POINT = str(ROOT / "configs" / "paper" / "point.yaml")
+POINT = str(CONFIGS / "paper" / "point.yaml")
 REAL = str(ROOT / "tests" / "plain" / "r134a.yaml")
 OTHERS = {  # beside the paper's point, of which they share more or less
     "speed": (POINT, ["operation.speed=2000 rpm"]),
@@ -71,6 +69,6 @@ def test_a_machine_without_effects_takes_none_of_the_one_before():
 def test_a_drive_moves_as_it_does_at_first():
     """The motion under a torque is found from that alone, not from one of before."""
     problem._free.clear()
-    scene = load(ROOT / "configs" / "everything.yaml", ["numerics.closing=histories"])
+    scene = load(CONFIGS / "everything.yaml", ["numerics.closing=histories"])
     first, again = (told(simulate(scene, trace=False)) for _ in range(2))
     assert again == first

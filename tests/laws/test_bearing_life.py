@@ -1,11 +1,11 @@
 """M480–M484: what each bearing carries, and how long it lives by ISO 281."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from each_row import each_row
+from folders import CONFIGS
 
 from screwsim import load, simulate
 from screwsim.effects.parts.bearing_life import TYPES, equivalent_load, life_of_set, mean_load, rating_life
@@ -15,7 +15,6 @@ from screwsim.inputs.faults import SceneError
 from screwsim.machine.rotors.loads import bearing_forces
 from screwsim.study.asked.goals import read_figure
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 NAMES = ("male", "female")
 MU, BORE, SHAFT = 0.0018, 0.06, 0.05
 AT = {"suction": 0.04, "discharge": 0.06}  # [m]

@@ -1,12 +1,12 @@
 """Which way `auto` closes a cycle, and what that costs."""
 
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from each_row import each_row
+from folders import ROOT
 from known_figures import known_solution
 from scenes import closed, make, run
 
@@ -24,7 +24,6 @@ from screwsim.scene import load
 from screwsim.simulate import simulate
 from screwsim.solve import accurately
 
-ROOT = Path(__file__).parents[2]
 LEAKY = {"operation.speed": "50 rpm"}  # histories contract slowly
 
 

@@ -2,10 +2,10 @@
 
 import gc
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import CONFIGS
 from scenes import closed, make
 
 from screwsim.cycle import newton
@@ -17,7 +17,6 @@ from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import case, load, with_values
 from screwsim.simulate import simulate, simulate_many
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 ENVELOPE = CONFIGS / "r134a" / "envelope.yaml"
 PAPER = CONFIGS / "paper" / "point.yaml"
 ALONG = {

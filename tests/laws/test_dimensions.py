@@ -6,10 +6,10 @@ dimension anywhere in the equations, in steps or in thresholds shows as a figure
 """
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import CONFIGS
 
 from screwsim.figures import Performance
 from screwsim.figures.errors import relative_errors
@@ -19,7 +19,6 @@ from screwsim.scene import load, value_at, with_values
 from screwsim.scene.fields import leaves_of
 from screwsim.simulate import simulate
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 SI = {  # exponents of kg, m, s
     "1": (0, 0, 0),
     "rad": (0, 0, 0),

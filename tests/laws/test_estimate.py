@@ -2,11 +2,11 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from each_row import each_row
+from folders import CONFIGS
 from known_figures import known_solution
 from scenes import closed, make, run
 
@@ -28,7 +28,6 @@ from screwsim.solve.estimate import ESTIMATES, estimated_errors
 from screwsim.solve.estimate_protocol import BARELY_DELIVERS, NO_SOLUTIONS
 from screwsim.solve.swings import swing_errors
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 ACCURACY = 3e-4  # the default
 CASES = {
     "fast": {"operation.speed": "5000 rpm"},

@@ -1,16 +1,15 @@
 """Performance figures against their definitions, by hand from the result's own numbers."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import CONFIGS
 from scenes import DROP, make, run
 
 import screwsim
 from screwsim.build import build_gas
 
-ROOT = Path(__file__).parents[2]
 P_S, T_S, P_D, SWEPT = 1.5e5, 283.0, 12e5, 6e-4
 PER_SECOND = 4 * 3000 / 60  # chamber lives per second
 GAS = build_gas(make())
@@ -177,7 +176,7 @@ def test_peak_pressure_is_the_traces_from_injection_to_the_widest_opening(result
 @pytest.mark.parametrize("dead", ["52.8 mm^3", "5.28 mm^3"])
 def test_peak_pressure_leaves_out_what_is_squeezed_as_the_port_closes(dead):
     """That follows from the dead volume (M24)."""
-    found = screwsim.simulate(screwsim.load(ROOT / "configs" / "r134a" / "point.yaml", [f"machine.volume.min={dead}"]))
+    found = screwsim.simulate(screwsim.load(CONFIGS / "r134a" / "point.yaml", [f"machine.volume.min={dead}"]))
     assert found.performance.peak_pressure == pytest.approx(12.2e5, rel=1e-3)
     assert found.cycle["pressure"].max() > (16e5 if dead == "52.8 mm^3" else 25e5)
 
@@ -189,7 +188,7 @@ PLENUMS = "{discharge_volume: 3 l, suction_volume: 8 l, discharge_area: 15 cm^2,
 def test_peak_pressure_is_the_highest_of_two_tops(accuracy):
     """One is inside a step at 660.6°, one at the end of the range, inside another; they differ by 3e-4."""
     scene = screwsim.load(
-        ROOT / "configs" / "paper" / "point.yaml",
+        CONFIGS / "paper" / "point.yaml",
         [f"effects.plenums={PLENUMS}", "operation.speed=4259.43 rpm", "oil_supply.ratio=0.6905"],
     ).with_({"numerics.accuracy": accuracy, "numerics.error": "none"})
     found = screwsim.simulate(scene)

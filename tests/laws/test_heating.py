@@ -1,9 +1,8 @@
 """Laws of heating: what the condenser takes against CoolProp's states, and the heat balance of the whole machine."""
 
-from pathlib import Path
-
 import pytest
 from CoolProp.CoolProp import PropsSI
+from folders import CONFIGS
 from scenes import RATED, make, run
 
 from screwsim.build import build_gas, build_site
@@ -15,7 +14,6 @@ from screwsim.simulate import simulate, simulate_many
 from screwsim.solve.circuit import OPEN
 
 LEFT = OPEN * 3e-4  # of the shaft power: what the search of the oil's temperature leaves open
-CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 @pytest.fixture(scope="module", params=["point", "separator"])

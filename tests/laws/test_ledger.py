@@ -1,9 +1,8 @@
 """The ledger: shaft power = exergy rises + T_0 Σ entropy generated, every entropy generated is positive."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from folders import CONFIGS
 from hypothesis import given
 from hypothesis import strategies as st
 from scenes import DROP, SPEEDS, closed, make, run
@@ -19,7 +18,6 @@ from screwsim.model.trajectory import Trajectory
 from screwsim.outputs import ledger_entries
 from screwsim.simulate import simulate
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 TRANSPORTS = ("paper", "carried")
 GIVEN = {"operation.discharge": {"pressure": "12 bar", "temperature": "340 K"}}
 DISPLACED = {

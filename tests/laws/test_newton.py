@@ -1,10 +1,10 @@
 """Newton's correction: its tangents are the cycle's own response, it closes in few turns, and changes no result."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import CONFIGS
 from scenes import make
 
 from screwsim.cycle import newton, tangents
@@ -18,7 +18,6 @@ from screwsim.figures.errors import relative_errors, worst
 from screwsim.scene import loads
 from screwsim.simulate import simulate
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 SLOW = {"operation.speed": "250 rpm", "oil.transport": "carried"}  # leaks rule, and gas goes to and from the line
 REAL = {
     **SLOW,

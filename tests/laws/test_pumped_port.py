@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import OIL_VOLUME, PUMPED_PORT, closed, make, run
+from scenes import OIL_VOLUME, PUMPED_PORT, balanced, closed, make, run
 
 EFFICIENCY = 0.6  # of the pump in the base scene
 LATE = {"effects.oil_injection": {"opens": "600 deg", "closes": "690 deg"}}  # reaches above the discharge pressure
@@ -13,11 +13,9 @@ CASES = {"separator": {}, "sump": SUMP, "separator, late": LATE, "sump, late": {
 @pytest.mark.parametrize("room", [{}, OIL_VOLUME], ids=["no room", "room"])
 @pytest.mark.parametrize("case", CASES)
 def test_nothing_of_pumped_oil_creates_exergy(case, room):
-    result = run({**PUMPED_PORT, **CASES[case], **room})
+    result = balanced(run({**PUMPED_PORT, **CASES[case], **room}), "oil_mass")
     entries = [result.ledger[f"exergy_destroyed_oil_{name}"] for name in ("injection", "supply", "pump")]
     assert min(entries) >= -1e-9 * result.performance.shaft_power  # rounding
-    balances = (result.balance[name] for name in ("mass", "energy", "entropy", "oil_mass"))
-    assert max(balances) <= result.balance.bound
 
 
 @pytest.mark.parametrize("case", CASES)

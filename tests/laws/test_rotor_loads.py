@@ -2,17 +2,16 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from each_row import each_row
+from folders import CONFIGS
 
 from screwsim import load, simulate
 from screwsim.export.rotor_loads import Supports, loads_of, pressures_of
 from screwsim.inputs.faults import SceneError
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 MU, BORE, SHAFT = 0.0018, 0.06, 0.05
 BEARINGS = {"load": "rotors", "friction_coefficient": MU, "bore": f"{BORE} m", "shaft_diameter": f"{SHAFT} m"}
 

@@ -1,9 +1,8 @@
 """Laws of the saturation temperatures and superheats of both lines, against CoolProp; which gases have some."""
 
-from pathlib import Path
-
 import pytest
 from CoolProp.CoolProp import PropsSI
+from folders import CONFIGS
 from scenes import run
 
 from screwsim.fluid import constants
@@ -13,7 +12,6 @@ from screwsim.simulate import simulate, simulate_many
 from screwsim.study.asked.goals import read_bounds
 from screwsim.template import new_scene, request_of
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 NAMES = {"evaporating_temperature", "condensing_temperature", "suction_superheat", "discharge_superheat"}
 BUBBLES = {"evaporating_bubble_temperature", "condensing_bubble_temperature"}
 PRESSURES = {

@@ -1,11 +1,11 @@
 """What the shaft feels: virtual work, its mean and harmonics, loads of the bearings, three levels of power."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from each_row import each_row
+from folders import CONFIGS
 from scenes import DROP, closed, make, refusal, run
 
 from screwsim.cycle.pitch import POINTS, Pitch, PitchQuadrature, _slopes
@@ -29,7 +29,6 @@ LOADED = {
     "effects.gas_torque": {"male_share": 0.9, "axial_area": "30 cm^2", "radial_area": "60 cm^2"},
 }
 OMEGA = 3000.0 * math.pi / 30.0
-CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def solved(changes):

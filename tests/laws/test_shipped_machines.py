@@ -1,14 +1,12 @@
 """The shipped R134a machines are such as machines on the market are, and say where what they take comes from."""
 
-from pathlib import Path
-
 import pytest
 from each_row import each_row
+from folders import CONFIGS
 
 from screwsim.scene import load
 from screwsim.simulate import simulate
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 MACHINES = ("r134a/point.yaml", "r134a/compact.yaml", "control/point.yaml")
 APART = {"r134a/point.yaml": 13.2, "r134a/compact.yaml": 9.0}  # K between gas and oil at the port; tests/plain: 17.7
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import CONFIGS, ROOT
 
 from screwsim.figures.errors import relative_errors, worst
 from screwsim.machine import paper_law
@@ -16,8 +16,6 @@ from screwsim.machine.laws import area_breakpoints
 from screwsim.scene import load, value_at
 from screwsim.simulate import simulate
 
-ROOT = Path(__file__).parents[2]
-CONFIGS = ROOT / "configs"
 SCENES = {
     "paper": CONFIGS / "paper" / "point.yaml",
     "r134a": ROOT / "tests" / "plain" / "r134a.yaml",

@@ -1,16 +1,14 @@
 """A slide's stop: the radial part of the discharge port moves, the axial one stays as it was cut."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import CONFIGS
 
 from screwsim.inputs.faults import SceneError
 from screwsim.machine.kinds import kind_of
 from screwsim.scene import load
-
-CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 def ported(*changes):

@@ -2,14 +2,13 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS
 
 from screwsim.machine.kinds import kind_of
 from screwsim.scene import load
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 POINT = load(CONFIGS / "paper" / "point.yaml").machine
 
 

@@ -1,15 +1,13 @@
 """Compiled text stays within its arrays: the shipped scenes, with every index checked, give the same bits."""
 
 import math
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS
 
 import screwsim
 from screwsim.codegen import modules
 from screwsim.model import leases
-
-CONFIGS = Path(__file__).parents[2] / "configs"
 
 
 @pytest.fixture

@@ -2,12 +2,12 @@
 
 import dataclasses
 import math
-from pathlib import Path
 from typing import get_args
 
 import numpy as np
 import pytest
 from each_row import each_row
+from folders import CONFIGS
 from scenes import DROP, ECONOMIZER, FRICTION, HELD_GAPS, OIL_PORT, OIL_VOLUME, PUMPED_PORT, SOLUBLE, SOLUBLE_RATE, make
 
 from screwsim.build import PartsCache, build_parts
@@ -139,7 +139,6 @@ def test_what_is_lent_knows_the_same_and_keeps_nothing_for_its_lender():
     assert shared(scene).recipe is first.recipe
 
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 SHIPPED = ("paper/point", "r134a/point", "r454b/point", "expander/point", "air/moist", "drive/point")
 
 

@@ -4,16 +4,15 @@ up or branch on while it runs that the structure of the machine knows."""
 import ast
 import re
 from functools import cache
-from pathlib import Path
 
 import pytest
 from each_row import each_row
+from folders import CONFIGS
 
 from screwsim.cycle.problem import problem_of
 from screwsim.model.compose import compose
 from screwsim.scene import load
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 SCENES = {
     "paper": ("paper/point.yaml",),
     "carried": ("paper/point.yaml", "oil.transport=carried"),

@@ -1,15 +1,13 @@
 """What a scene says of the humidity of its air, and what cannot be."""
 
-from pathlib import Path
-
 import pytest
+from folders import CONFIGS
 
 from screwsim.build import build_gas
 from screwsim.fluid.moist_air import MoistAir
 from screwsim.inputs.faults import SceneError
 from screwsim.scene import load, loads
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 CONFIG = CONFIGS / "air" / "moist.yaml"
 
 

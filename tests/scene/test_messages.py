@@ -133,12 +133,6 @@ TYPICAL = [
 ]
 
 
-@each_row(("old", "new", "line"), TYPICAL)
-def test_a_typical_mistake_gives_its_one_line(example, old, new, line):
-    assert old in example
-    assert faults_of(example.replace(old, new, 1)) == [line]
-
-
 LINE = "(write NAME: value, with a space after the colon and indented like its neighbours; also check the line above)"
 BLOW_HOLE = "flow_coefficient, area_file, area, opens, closes, suction_area, suction_closes, model"
 UNDER = f"under it: {BLOW_HOLE}; or blow_hole: off to leave it out)"
@@ -372,8 +366,8 @@ NEWCOMERS = [
 ]
 
 
-@each_row(("old", "new", "line"), NEWCOMERS)
-def test_a_newcomers_mistake_gives_its_one_line(example, old, new, line):
+@each_row(("old", "new", "line"), [*TYPICAL, *NEWCOMERS])
+def test_a_typical_or_a_newcomers_mistake_gives_its_one_line(example, old, new, line):
     assert old in example
     assert faults_of(example.replace(old, new, 1)) == [line]
 

@@ -1,13 +1,12 @@
 """A change is one change: --set, `Scene.with_` and an axis of one value give the same scene."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS
 
 from screwsim.scene import case, load, scene_text
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 OF_ALL = {"operation.speed": "1700 rpm", "numerics.accuracy": "1e-5"}
 CHANGES = {  # what else, by scene: sizes that others follow from, states of lines, numbers of effects
     "paper/point": {"machine.rotor_diameter": "150 mm", "operation.discharge.pressure": "9.3 bar", "gas.fluid": "R32"},

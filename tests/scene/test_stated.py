@@ -1,11 +1,11 @@
 """What engineers state: displacement, families of rotors, volume ratio, tip speed, gauge pressures."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 from each_row import each_row
+from folders import CONFIGS
 
 import screwsim
 from screwsim.inputs.faults import SceneError, UsageError
@@ -13,7 +13,6 @@ from screwsim.machine.kinds import kind_of
 from screwsim.scene import case, scene_text
 from screwsim.scene.types import STANDARD_ATMOSPHERE
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 ROTORS = """\
 machine:
   displacement: {flow: 600 m^3/h, at: 2950 rpm}

@@ -2,6 +2,7 @@
 
 import sys
 from datetime import datetime
+from functools import partial
 
 import pytest
 
@@ -19,6 +20,14 @@ def quick(monkeypatch):
         "screwsim.study.calibration.residuals.scene_derivatives", lambda *asked: SceneDerivatives({}, {}, "not asked")
     )
     monkeypatch.setattr(sys.modules[warm_up.__module__], "warm_up", lambda scene: None)
+
+
+@pytest.fixture
+def plant(tmp_path):
+    """Write two stages into a folder, with what they are called with; return the path of their file."""
+    from scenes import two_stages
+
+    return partial(two_stages, tmp_path, title="plant")
 
 
 class OneMoment:

@@ -3,8 +3,15 @@
 import math
 import os
 
+from result_fakes import SCENE
+
 from screwsim.outputs import Figures, Result
-from screwsim.scene import Scene
+from screwsim.scene import Scene, loads
+
+
+def scene(extra: str = "") -> Scene:
+    """Return the scene without time, with more sections."""
+    return loads(SCENE + extra)
 
 
 def result_of(efficiency: float | None, error: float = 1e-9, **figures: float) -> Result:

@@ -1,9 +1,9 @@
 """Lives of bearings on data sheets: those of the own point, and the shortest within all limits."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS
 
 import screwsim
 from screwsim.outputs import Figures, Result
@@ -13,7 +13,6 @@ from screwsim.study.stages import read_stages
 from screwsim.template import new_scene, request_of
 
 pytestmark = pytest.mark.around
-CONFIGS = Path(__file__).parents[2] / "configs"
 HOUR = 3600.0
 BEARINGS = "{suction: {distance: 35 mm, rating: 200 kN}, discharge: {distance: 40 mm}, axial: {rating: 110 kN}}"
 

@@ -1,10 +1,10 @@
 """The worked examples of configs/calibration: a known machine is found again, and what cannot be found is said."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import CONFIGS, ROOT
 
 from screwsim.study.calibration import calibrate, read_fit
 from screwsim.study.calibration.diagnosis import diagnose
@@ -13,8 +13,7 @@ from screwsim.study.validation import sibling
 
 pytestmark = pytest.mark.around
 
-ROOT = Path(__file__).parents[2]
-FOLDER = ROOT / "configs" / "calibration"
+FOLDER = CONFIGS / "calibration"
 
 
 def example():
@@ -121,7 +120,7 @@ def test_droplet_radius_and_heat_transfer_are_said_not_to_be_told_apart():
 
 def test_exact_slopes_are_those_of_differences_and_take_fewer_solutions():
     """Residuals of the worked example over all three places, halfway between their bounds."""
-    fit = read_fit(ROOT / "configs" / "calibration" / "leakage.fit.yaml")
+    fit = read_fit(CONFIGS / "calibration" / "leakage.fit.yaml")
     fit = replace(fit, points=tuple(point for point in fit.points if point.fitted)[:2])
     places = np.full(len(fit.parameters), 0.5)
     exact, differences = Objective(replace(fit, slopes="exact")), Objective(fit)

@@ -3,10 +3,10 @@
 import csv
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import CONFIGS, ROOT
 
 import screwsim
 from screwsim.cli import exit_code
@@ -20,8 +20,7 @@ from screwsim.study.datasheet.sheet import Table
 from screwsim.study.pool.progress import Progress
 
 pytestmark = pytest.mark.around
-ROOT = Path(__file__).parents[2]
-AIR = ROOT / "configs" / "air"
+AIR = CONFIGS / "air"
 FIXED, VARIABLE = ("fixed_speed_7", "fixed_speed_10"), ("variable_speed_7", "variable_speed_10")
 IDLE = 0.2, 0.45  # of the power at full flow, that unloaded packages take: 25 to 35 % typical, no source
 

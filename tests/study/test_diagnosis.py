@@ -2,11 +2,11 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from fit_fakes import CAPACITY, GAP, HEAD, ONE_START, SCENE, coordinates, plane, product, torn, write_fit
+from folders import CONFIGS
 
 import screwsim
 from screwsim.cli import exit_code
@@ -27,7 +27,6 @@ from screwsim.study.uncertainty.slopes import Sensitivities
 
 pytestmark = pytest.mark.around
 
-ROOT = Path(__file__).parents[2]
 UNCHANGED = {GAP: "50 um", CAPACITY: "2 kJ/(kg K)"}  # 5 kW and 2 kW per 1000 rpm
 
 
@@ -387,7 +386,7 @@ FIGURES = {"gas_mass_flow": "kg/s", "shaft_power": "W", "discharge_temperature":
     ids=["gap", "oil", "gap and oil", "none"],
 )
 def test_known_changes_of_a_machine_are_found(tmp_path, truth, path, change):
-    scene = ROOT / "configs" / "paper" / "point.yaml"
+    scene = CONFIGS / "paper" / "point.yaml"
     generator = np.random.default_rng(7)
     machine, rows = with_values(load(scene), truth), []
     for rpm, bar in ((1000.0, 8.0), (4000.0, 11.5)):
@@ -412,7 +411,7 @@ def test_known_changes_of_a_machine_are_found(tmp_path, truth, path, change):
 
 
 def test_tolerances_of_the_scene_are_no_change(tmp_path):
-    text = load(ROOT / "configs" / "paper" / "point.yaml", [f"{GAP}=27.5 um ± 25 um", "oil_supply.ratio=3 ± 30 %"]).text
+    text = load(CONFIGS / "paper" / "point.yaml", [f"{GAP}=27.5 um ± 25 um", "oil_supply.ratio=3 ± 30 %"]).text
     (tmp_path / "machine.yaml").write_text(text, encoding="utf-8")
     grown = with_values(load(tmp_path / "machine.yaml"), {GAP: 37.5e-6})
     flow = simulate(grown, trace=False).performance["gas_mass_flow"]
@@ -422,7 +421,7 @@ def test_tolerances_of_the_scene_are_no_change(tmp_path):
     (tmp_path / "x.fit.yaml").write_text(
         f"scene: machine.yaml\ndata: points.csv\nparameters:\n  {GAP}: {{from: 15 um, to: 60 um}}\n", encoding="utf-8"
     )
-    known = diagnose(read_fit(tmp_path / "x.fit.yaml", scene=ROOT / "configs" / "paper" / "point.yaml"), jobs=1)
+    known = diagnose(read_fit(tmp_path / "x.fit.yaml", scene=CONFIGS / "paper" / "point.yaml"), jobs=1)
     open_ = diagnose(read_fit(tmp_path / "x.fit.yaml"), jobs=1)
     assert known.hypotheses[0].path == GAP and known.hypotheses[0].probability > 0.9
     assert open_.hypotheses[0].path == NO_CHANGE and set(open_.inputs) == {GAP, "oil_supply.ratio"}
@@ -514,7 +513,7 @@ def test_what_is_found_with_the_cycle_states_no_unchanged_value(tmp_path):
     """It holds 0 K, where the search begins, which is no temperature that the machine had."""
     path = "effects.economizer.temperature"
     port = "{temperature: auto, area: 100 mm^2, opens: 455 deg, closes: 545 deg}"
-    auto = load(ROOT / "configs" / "r134a" / "point.yaml", [f"effects.economizer={port}"])
+    auto = load(CONFIGS / "r134a" / "point.yaml", [f"effects.economizer={port}"])
     sought = Parameter(path, 270.0, 300.0, None, None, False, (), False)
     fit = replace(read_fit(written(tmp_path, points())), scene=auto, parameters=(sought,))
     with pytest.raises(UsageError, match=f"{path}: is not stated in the scene"):

@@ -1,12 +1,12 @@
 """Progress in a notebook: a bar that is drawn in one place, by itself, and says at its end what was done."""
 
 import sys
-from pathlib import Path
 from types import SimpleNamespace
 
 import IPython.display
 import nbformat
 import pytest
+from folders import ROOT
 
 import screwsim
 from screwsim.study.pool.parallel import parallel_map
@@ -15,7 +15,6 @@ from screwsim.study.seek.trials import ReportedSimulation
 from screwsim.study.validation import sibling
 
 pytestmark = pytest.mark.around
-ROOT = Path(__file__).parents[2]
 POINT = "configs/paper/point.yaml"
 
 

@@ -10,16 +10,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from each_row import each_row
-from result_fakes import SCENE
 from seek_fakes import RPM, chiller, choosing, deadly, hollow, idle
-from study_fakes import gappy, parabola, two_tops
+from study_fakes import gappy, parabola, scene, two_tops
 
 import screwsim
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
 from screwsim.printing.optimize import optimize_document, print_optimize
 from screwsim.results.table import table_of
-from screwsim.scene import loads, with_values
+from screwsim.scene import with_values
 from screwsim.simulate import simulate as simulated
 from screwsim.study.best.optimum import optimum
 from screwsim.study.best.optimum import question as of_optimum
@@ -37,10 +36,6 @@ FIG1 = Path(__file__).parents[2] / "configs" / "paper" / "fig1.yaml"
 
 
 EVALUATIONS, SMALL_PARTS = 3_000, 16  # of a long run, in 30 batches: parts are joined
-
-
-def scene(extra: str = ""):
-    return loads(SCENE + extra)
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from each_row import each_row
 from result_fakes import SCENE
-from study_fakes import deadly, flat, gappy, parabola, raising, result_of, rough, steady, two_tops
+from study_fakes import deadly, flat, gappy, parabola, raising, result_of, rough, scene, steady, two_tops
 
 from screwsim.build import build_parts
 from screwsim.inputs.faults import UsageError
@@ -21,10 +21,6 @@ from screwsim.template import new_scene, request_of
 
 PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 SPEEDS = "sweep:\n  operation.speed: [1000 rpm, 2000 rpm, 3000 rpm]\n"
-
-
-def scene(extra: str = ""):
-    return loads(SCENE + extra)
 
 
 def best_of(simulate, extra: str = "", jobs: int = 1, **asked):

@@ -3,11 +3,11 @@
 import itertools
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from fit_fakes import CAPACITY, GAP, HEAD, ONE_START, SCENE, coordinates, plane, torn, write_fit
+from folders import CONFIGS
 
 import screwsim
 from screwsim.cli import exit_code
@@ -33,7 +33,6 @@ from screwsim.study.uncertainty import slopes
 from screwsim.study.uncertainty.slopes import Sensitivities
 from screwsim.study.uncertainty.spreads import groups_of
 
-ROOT = Path(__file__).parents[2]
 POINTS = HEAD + "a,fit,2000,9,0.09\nb,fit,2100,9.2,0.092\nc,check,3000,11,0.1\n"
 SPEEDS = "operation.speed=1000 rpm..5000 rpm"
 
@@ -280,7 +279,7 @@ def test_a_candidate_whose_uncertainty_is_none_is_told(own, told, tmp_path):
 
 
 def test_a_machine_is_told_apart_at_high_and_at_low_speed(tmp_path):
-    fit = read_fit(ROOT / "configs" / "calibration" / "leakage.fit.yaml")
+    fit = read_fit(CONFIGS / "calibration" / "leakage.fit.yaml")
     fit = replace(fit, points=fit.points[2:3])  # at 2000 rpm
     every = candidates_of(fit, paths=["operation.speed=600 rpm..4000 rpm"], levels=3)
     found = plan(fit, every, count=2, jobs=1)
@@ -291,7 +290,7 @@ def test_a_machine_is_told_apart_at_high_and_at_low_speed(tmp_path):
 
 def test_all_inputs_of_a_point_are_derived_at_once_and_it_is_solved_once(monkeypatch):
     """Each group alone gives the same, at a solution of its own."""
-    scene = screwsim.load(ROOT / "configs" / "paper" / "uncertain.yaml")
+    scene = screwsim.load(CONFIGS / "paper" / "uncertain.yaml")
     point = Point("here", {}, {"shaft_power": Measurement(12e3, 60.0), "gas_mass_flow": Measurement(0.17, 1e-3)})
     result, groups, calls = screwsim.simulate(scene), groups_of(scene), []
     alone = [point_shifts(scene, point, [group]).of([group])[0] for group in groups]
@@ -383,7 +382,7 @@ def test_the_package_plans_as_the_command_does(tmp_path, monkeypatch):
 
 
 def test_temperatures_of_a_point_are_those_that_people_state():
-    scene = screwsim.load(ROOT / "configs" / "r134a" / "compact.yaml")
+    scene = screwsim.load(CONFIGS / "r134a" / "compact.yaml")
     values = {
         "operation.evaporating_temperature": 263.15,
         "operation.condensing_temperature": 318.4,

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 from each_row import each_row
-from result_fakes import SCENE
 from seek_fakes import RPM, edged, figures_of, leaping, saturating, torn, turning
+from study_fakes import scene
 
 import screwsim
 from screwsim.inputs.faults import UsageError
@@ -22,10 +22,6 @@ from screwsim.template import new_scene, request_of
 SPEED = "operation.speed"
 RANGE = f"{SPEED}=1000 rpm..5000 rpm"
 CONFIGS = Path(__file__).parents[2] / "configs"
-
-
-def scene(extra: str = ""):
-    return loads(SCENE + extra)
 
 
 @pytest.mark.parametrize("flow", [0.8, 1.2, 1.8])

@@ -3,9 +3,9 @@
 import re
 from dataclasses import replace
 from itertools import combinations, pairwise
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS
 
 import screwsim
 from screwsim.cli import exit_code
@@ -17,7 +17,6 @@ from screwsim.study.datasheet.sheet import Curve, Drawing, Sheet, Table
 
 pytestmark = pytest.mark.around
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 SLIDE = "machine.slide_valve={position: 0.1, travel: 90 mm, male_span: 70 deg, female_span: 60 deg}"
 SHIPPED = {  # what is asked of each: the scene, changes, options
     "refrigeration": ("control/point", (), {"limits": ["discharge_temperature<110 degC"]}),

@@ -2,9 +2,9 @@
 
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS
 
 import screwsim
 from screwsim.cli import exit_code
@@ -25,7 +25,6 @@ from screwsim.study.stages import read_stages
 from screwsim.template import new_scene, request_of
 
 pytestmark = pytest.mark.around
-CONFIGS = Path(__file__).parents[2] / "configs"
 HP, PSI, CFM = 745.6998715822702, 6894.757293168, 0.3048**3 / 60.0  # W, Pa, m³/s: 550 ft lbf/s, lbf/in², ft³/min
 TON, LB_H = 3516.8528420667, 0.45359237 / 3600.0  # W: 12000 Btu/h of the International Table; kg/s
 METRIC_UNIT = re.compile(r"\b(m?bar|kW|kg/h|K)\b|°C|m³|L/min")

@@ -5,10 +5,10 @@ import re
 from dataclasses import replace
 from functools import partial
 from math import log
-from pathlib import Path
 
 import pytest
 from CoolProp.CoolProp import PropsSI
+from folders import CONFIGS
 from scenes import DROP, ECONOMIZER, SOLUBLE, scene_dict
 
 from screwsim.build import build_gas
@@ -25,7 +25,6 @@ from screwsim.study.stages import read_stages, run_stages
 from screwsim.study.stages.result import capacities, electrical_figures
 from screwsim.study.stages.solve import ChainResult
 
-CONFIGS = Path(__file__).parents[2] / "configs"
 ACCURACY = 3e-4
 HIGH = {"operation.speed": "1300 rpm"}
 COOLER = {"kind": "cooler", "outlet_temperature": "290 K"}

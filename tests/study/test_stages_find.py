@@ -2,10 +2,9 @@
 
 import json
 import math
-from functools import partial
 
 import pytest
-from scenes import scene_dict, two_stages
+from scenes import scene_dict
 
 import screwsim
 from screwsim.cli import exit_code
@@ -21,11 +20,6 @@ from screwsim.study.uncertainty.measured import read_measured
 RPM = math.pi / 30.0
 FIRST, SECOND = "first.operation.speed", "second.operation.speed"
 RANGES = [f"{FIRST}=1000 rpm..5000 rpm", f"{SECOND}=500 rpm..3000 rpm"]
-
-
-@pytest.fixture
-def plant(tmp_path):
-    return partial(two_stages, tmp_path, title="plant")
 
 
 def matching(chain):

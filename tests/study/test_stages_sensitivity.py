@@ -4,7 +4,6 @@ import csv
 import json
 import math
 from dataclasses import replace
-from functools import partial
 
 import pytest
 from scenes import DROP, scene_dict, two_stages
@@ -34,11 +33,6 @@ STEPS = {  # [SI] half the distance of the solutions whose difference is the der
     "intercooler.pressure_drop": 500.0,
 }
 COMPARED = ("intermediate_pressure", "shaft_power", "gas_mass_flow", "discharge_temperature", "isentropic_efficiency")
-
-
-@pytest.fixture
-def plant(tmp_path):
-    return partial(two_stages, tmp_path, title="plant")
 
 
 def test_derivatives_are_those_of_whole_solutions_beside_the_point(plant):

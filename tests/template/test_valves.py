@@ -2,10 +2,10 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import ROOT
 
 import screwsim
 from screwsim.effects.reed_valves import Parameters
@@ -14,7 +14,6 @@ from screwsim.inputs.faults import UsageError
 from screwsim.study.validation import sibling
 from screwsim.template import new_scene, request_of, valves
 
-ROOT = Path(__file__).parents[2]
 new_valves = sibling(ROOT / "docs" / "tools" / "new_valves.py")
 PISTON, SPEED = 2e-3, 150.0  # [m²], [rad/s]
 GAS = {"pressure": 3e5, "k": 1.2, "sound": 200.0}

@@ -9,7 +9,6 @@ whose error exceeds the wanted accuracy without a warning, and its error when so
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import sys
 from dataclasses import dataclass, field, replace
@@ -25,6 +24,7 @@ from screwsim.simulate import simulate, simulate_many
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
+from records import by_records  # noqa: E402
 from true_error import warns  # noqa: E402
 
 FINER = 40.0  # the wanted accuracy over that of the trusted solution
@@ -158,7 +158,7 @@ def main() -> None:
             print(f"{name} {seed}: {row}", flush=True)
     if asked.outcome:
         command = f"fuzz_courses.py --seeds {asked.seeds} --count {asked.count}"
-        asked.outcome.write_text(json.dumps({"command": command, "kinds": found}, indent=1) + "\n", encoding="utf-8")
+        asked.outcome.write_text(by_records({"command": command, "kinds": found}, 3) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -27,6 +27,7 @@ sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")
 from case import Case  # noqa: E402
 from hard_page import COLD, OF_STEPS, RADAU, to_compare  # noqa: E402
 from judging import Stopped, limited  # noqa: E402
+from records import by_records  # noqa: E402
 from scenes import make  # noqa: E402
 
 from screwsim.cycle.balances import LEAST_WORK  # noqa: E402
@@ -181,8 +182,8 @@ def main() -> None:
         row = {}
         for row in attempts(case, asked.limit):
             print(case.name, row, flush=True)
-        rows = read() | {case.name: row}
-        write_atomically(RADAU, (json.dumps(rows, indent=1, ensure_ascii=False, sort_keys=True) + "\n").encode())
+        rows = dict(sorted({**read(), case.name: row}.items()))
+        write_atomically(RADAU, (by_records(rows, 1) + "\n").encode())
 
 
 if __name__ == "__main__":

@@ -29,6 +29,7 @@ sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")
 from case import CARRIED  # noqa: E402
 from hard_cases import CASES  # noqa: E402
 from judging import Stopped, finite, limited  # noqa: E402
+from records import by_records  # noqa: E402
 from scenes import DROP, FILMS, HELD_GAPS, make  # noqa: E402
 
 from screwsim.inputs.faults import SceneError  # noqa: E402
@@ -239,8 +240,7 @@ def solve(name: str, anew: bool) -> None:
     for case in chosen(name):
         if case.name not in known:
             known[case.name] = solved(case, effect)
-            text = json.dumps(stored() | {name: known}, indent=1, ensure_ascii=False)
-            STORED.write_text(text + "\n", encoding="utf-8")
+            STORED.write_text(by_records(stored() | {name: known}, 2) + "\n", encoding="utf-8")
     print(f"{name}: {time.process_time() - started:.0f} s of the processor", file=sys.stderr, flush=True)
 
 

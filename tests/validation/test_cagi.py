@@ -1,15 +1,14 @@
 """The air package of validation/cagi: units, where verdicts turn, how its machine was made larger."""
 
 from math import log
-from pathlib import Path
 
 import pytest
+from folders import CONFIGS, ROOT
 
 import screwsim
 from screwsim.effects.parts.rating import STANDARDS, isentropic_power
 from screwsim.study.validation import NotRun, read_table
 
-ROOT = Path(__file__).parents[2]
 HERE = ROOT / "validation" / "cagi"
 ROUND = ("flank_radius", "root_radius")
 PRINTED = (19.3, 18.0, 17.7, 17.7, 17.8)  # kW/100 acfm, as the sheet has them, from the lowest flow on
@@ -75,7 +74,7 @@ def physics(cagi):
 
 
 def test_rotors_and_clearances_are_those_of_160_mm_made_larger(cagi, physics):
-    small, large = (screwsim.load(path) for path in (ROOT / "configs" / "rotors" / "b.yaml", HERE / "machine.yaml"))
+    small, large = (screwsim.load(path) for path in (CONFIGS / "rotors" / "b.yaml", HERE / "machine.yaml"))
     factor = physics.LARGER
     assert large.machine.rotor_diameter == pytest.approx(factor * small.machine.rotor_diameter)
     assert large.machine.rotor_length == pytest.approx(factor * small.machine.rotor_length)
@@ -106,7 +105,7 @@ def test_sealed_shafts_leak_what_was_fitted_on_r134a(physics, condition):
 
 def test_the_motor_turns_against_a_torque_that_hardly_changes():
     """Six tenths of its loss stay, four tenths go with the speed to 1.5: the formula that motor.csv states."""
-    for row in read_table(ROOT / "configs" / "air" / "motor.csv"):
+    for row in read_table(CONFIGS / "air" / "motor.csv"):
         x, efficiency = (float(row[name]) for name in ("load", "efficiency"))
         loss = (1.0 / 0.96 - 1.0) * (0.6 + 0.4 * x**1.5)
         assert efficiency == pytest.approx(x / (x + loss), abs=6e-6)

@@ -3,9 +3,9 @@
 import json
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
+from folders import ROOT
 
 import screwsim
 from screwsim.outputs import Figures, Result
@@ -16,7 +16,6 @@ from screwsim.study.validation import ValidationPoint, compared, model_errors
 from screwsim.study.validation.discrepancy import interval
 from screwsim.study.validation.record import errors_report
 
-ROOT = Path(__file__).parents[2]
 ROWS = json.loads((ROOT / "validation" / "results.json").read_text(encoding="utf-8"))["sources"]["bitzer"]["rows"]
 AT = {"machine.kind": "twin_screw", "gas.fluid": "R134a", "operation.speed": 309.0, "pressure_ratio": 3.0}
 

@@ -1,13 +1,12 @@
 """The air screw of validation/he2018: whose gaps and shafts it has, and what makes more oil fill it better."""
 
 from itertools import pairwise
-from pathlib import Path
 
 import pytest
+from folders import ROOT
 
 import screwsim
 
-ROOT = Path(__file__).parents[2]
 HERE = ROOT / "validation" / "he2018"
 FLOWS = (27.0, 50.0)  # L/min
 QUICK = ("numerics.error=none",)  # gains are held against limits, not against their errors

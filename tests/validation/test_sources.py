@@ -3,17 +3,16 @@
 import ast
 import json
 import re
-from pathlib import Path
 
 import pytest
 from each_row import each_row
+from folders import ROOT
 
 import screwsim
 from screwsim.scene import load
 from screwsim.study.validation import names_of
 from screwsim.study.validation.record import KINDS, VERDICTS
 
-ROOT = Path(__file__).parents[2]
 VALIDATION = ROOT / "validation"
 STORED = json.loads((VALIDATION / "results.json").read_text(encoding="utf-8"))
 SOURCES = names_of(VALIDATION)

@@ -69,15 +69,12 @@ def _envelope(one: PerformanceMap, ip: bool) -> list[list[float]]:
     return [[1.8 * T + 32.0 if ip else T for T in corner] for corner in one.envelope]
 
 
-def _corners(one: PerformanceMap, ip: bool) -> str:
-    return ", ".join(f"({S:.6g}, {D:.6g})" for S, D in _envelope(one, ip))
-
-
 def en12900_csv(found: Polynomials, ip: bool = False) -> str:
     """Return the coefficients, then the rated points in the envelope, of each map."""
     other = other_condensing(found)
     degree = "degF" if ip else "degC"
-    valid = [(found.titled(one, "the map"), _corners(one, ip)) for one in found.maps]
+    corners = [", ".join(f"({S:.6g}, {D:.6g})" for S, D in _envelope(one, ip)) for one in found.maps]
+    valid = [(found.titled(one, "the map"), ends) for one, ends in zip(found.maps, corners, strict=True)]
     lines = [
         f"# {found.title}: {found.fluid}",
         f"# {document(found)['formula']}",
@@ -86,7 +83,7 @@ def en12900_csv(found: Polynomials, ip: bool = False) -> str:
         *(f"# {line}" for line in _condition_lines(found, ip)),
         *([f"# {ECONOMIZER}"] if found.economized else []),
         *(f"# {text}" for text in found.missing),
-        *(f"# {name}: valid between the corners (S, D) {corners} {degree}" for name, corners in valid),
+        *(f"# {name}: valid between the corners (S, D) {ends} {degree}" for name, ends in valid),
         f"{HEAD_LINE}," + ",".join(COEFFICIENT_NAMES) + ",largest_error,left_out_error",
     ]
     for one in found.maps:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from screwsim.numerics.parabola import summit
 from screwsim.report import quantities
 from screwsim.report.quantities import EFFICIENCIES, choice_words, is_numeric, short, shown_axis, shown_figure, value_of
 from screwsim.results import Results
@@ -243,15 +244,8 @@ def optimum(x: np.ndarray, y: np.ndarray) -> tuple[float, float] | None:
     u, v, log = _near_top(x, y)
     if np.any(np.diff(u) <= 0.0):
         return None
-    u0 = float(u[1])
-    left, right = (v[1] - v[0]) / (u[1] - u[0]), (v[2] - v[1]) / (u[2] - u[1])
-    curvature = (right - left) / (u[2] - u[0])
-    if curvature >= 0.0:  # a plateau
-        return float(x[best]), float(y[best])
-    slope = (left * (u[2] - u[1]) + right * (u[1] - u[0])) / (u[2] - u[0])
-    step = -slope / (2.0 * curvature)
-    peak = float(v[1] + slope * step + curvature * step * step)
-    return (float(np.exp(u0 + step)) if log else u0 + step), peak
+    at, peak = summit(u, v)
+    return (float(np.exp(at)) if log else at), peak
 
 
 def optimum_arc(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:

@@ -245,13 +245,9 @@ def _rated_power(asked: SceneRequest, taken: float) -> float:
 
 def _oil_per_air(duty: Duty, taken: float, oil: str) -> float:
     """Return the kg of oil per kg of air that remove a work [J/kg], warmed by at most `LARGEST_OIL_WARMING`."""
-    heat = _oil_heat(duty, taken) / (_oil_heat_capacity(oil) * LARGEST_OIL_WARMING)
-    return max(AIR_OIL, math.ceil(2.0 * heat) / 2.0)
-
-
-def _oil_heat(duty: Duty, taken: float) -> float:
-    """Return what the oil carries [J/kg of air] of a work taken [J/kg]."""
-    return taken - heat_capacity(duty) * (LEAVES - duty.T)
+    heat = taken - heat_capacity(duty) * (LEAVES - duty.T)  # [J/kg] of the work, which the oil carries
+    per_air = heat / (_oil_heat_capacity(oil) * LARGEST_OIL_WARMING)
+    return max(AIR_OIL, math.ceil(2.0 * per_air) / 2.0)
 
 
 def heat_capacity(duty: Duty) -> float:

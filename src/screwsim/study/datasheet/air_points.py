@@ -1,6 +1,6 @@
 """Points of an air package's sheet: a speed and the result at it, and the row of the table that tells it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from screwsim.effects.air_package import FREE_AIR, INPUT_POWER
@@ -50,15 +50,12 @@ class Point(NamedTuple):
 
 def points_at(base: Scene, speeds: Sequence[float], progress: Progress) -> list[Point]:
     """Return the points of a scene without a sweep at speeds [rad/s]."""
-    return list(_points(base, speeds, progress))
-
-
-def _points(base: Scene, speeds: Sequence[float], progress: Progress) -> Iterator[Point]:
+    points = []
     results = simulate_many([with_values(base, {SPEED: float(speed)}) for speed in speeds], trace=False)
     for speed, result in zip(speeds, results, strict=True):
-        point = Point(float(speed), result)
-        progress.advance(1, not point.ok)
-        yield point
+        points.append(Point(float(speed), result))
+        progress.advance(1, not points[-1].ok)
+    return points
 
 
 def point_row(point: Point, full: Point, units: Units) -> list[str]:

@@ -239,12 +239,8 @@ def read_values(
         return values
     first, last = values
     refuse_empty_range(base, path, first, last, f"{option} {text}")
-    return evenly_spaced(first, last, count if isinstance(count, int) else count(first, last))
-
-
-def evenly_spaced(first: float, last: float, count: int) -> tuple[float, ...]:
-    """Return evenly spaced values from the first to the last."""
-    return tuple(first + (last - first) * i / (count - 1) for i in range(count))
+    steps = (count if isinstance(count, int) else count(first, last)) - 1
+    return tuple(first + (last - first) * i / steps for i in range(steps + 1))
 
 
 def rating(asked: SceneRequest, jobs: int | None = None, progress: Progress | None = None) -> SceneRating:

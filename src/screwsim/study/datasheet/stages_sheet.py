@@ -13,6 +13,7 @@ import numpy as np
 
 from screwsim.figures import rotor_speed
 from screwsim.figures.engineering import shown_name
+from screwsim.numerics.parabola import summit
 from screwsim.outputs import Result
 from screwsim.outputs.customary import HOUR, MINUTE, RPM, with_printed_units
 from screwsim.scene import Scene
@@ -188,12 +189,8 @@ def best_intermediate(by_second: Any, figure: str) -> tuple[float, float, bool] 
     k = max(range(len(good)), key=lambda i: good[i][1])
     if k in (0, len(good) - 1):
         return float(np.exp(good[k][0])), good[k][1], False
-    x, y = (np.array(column) for column in zip(*good[k - 1 : k + 2], strict=True))
-    a, b, c = np.polyfit(x - x[1], y, 2)
-    if not a < 0.0:
-        return float(np.exp(x[1])), float(y[1]), True
-    top = -0.5 * b / a
-    return float(np.exp(x[1] + top)), float(c - 0.25 * b * b / a), True
+    at, value = summit(*zip(*good[k - 1 : k + 2], strict=True))
+    return float(np.exp(at)), value, True
 
 
 def _drawings(rated: ChainRating) -> Iterator[Drawing]:
