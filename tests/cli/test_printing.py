@@ -14,7 +14,7 @@ from screwsim.printing.stages import print_stages
 from screwsim.printing.tables import column_heads, plain_table
 from screwsim.report.ledger import waterfall_bars
 from screwsim.scene import load
-from screwsim.scene.plausible import idle_figures
+from screwsim.scene.left_out import idle_figures
 from screwsim.study.asked import figure_units
 from screwsim.study.stages import ChainResult
 

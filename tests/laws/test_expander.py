@@ -14,7 +14,7 @@ from screwsim.inputs.faults import SceneError
 from screwsim.machine.geometry import Geometry
 from screwsim.outputs import ledger_entries
 from screwsim.scene import load
-from screwsim.scene.plausible import suitable_effects
+from screwsim.scene.left_out import suitable_effects
 from screwsim.simulate import simulate
 
 POINT = Path(__file__).parents[2] / "configs" / "expander" / "point.yaml"

@@ -198,7 +198,7 @@ def test_the_tables_of_rotors_keep_the_ratio_that_moves_a_port_of_the_scene_s_ow
 
 
 def test_run_says_how_far_a_table_is_shifted(drawn):
-    from screwsim.scene.plausible import moved_port_lines
+    from screwsim.scene.left_out import moved_port_lines
 
     scene, _ = drawn
     assert moved_port_lines(scene) == []

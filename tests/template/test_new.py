@@ -15,7 +15,7 @@ from screwsim.build import build_parts
 from screwsim.effects.parts.rating import STANDARDS
 from screwsim.inputs.faults import UsageError
 from screwsim.outputs import Figures, Result
-from screwsim.scene.plausible import leaks_in_words
+from screwsim.scene.left_out import leaks_in_words
 from screwsim.study.sizing import NEAR, SizedMachine, sized_machine, stated_machine
 from screwsim.study.sizing import performance_lines as sized_told
 from screwsim.study.validation import sibling

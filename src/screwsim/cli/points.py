@@ -116,7 +116,7 @@ def _print_point(scene: Scene, result: Result, changed: Sequence[str], short: bo
         print_short(scene.title, result, changed, scene.operation.ambient_pressure)
         return
     from screwsim.printing import print_result
-    from screwsim.scene.plausible import idle_figures, left_out_lines, moved_port_lines
+    from screwsim.scene.left_out import idle_figures, left_out_lines, moved_port_lines
 
     told = [*moved_port_lines(scene), *left_out_lines(scene)]
     print_result(scene.title, result, told, changed, idle_figures(scene))

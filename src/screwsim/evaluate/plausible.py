@@ -14,8 +14,8 @@ from screwsim.fluid.oils import OILS
 from screwsim.model.parts import Parts
 from screwsim.outputs import Figures
 from screwsim.outputs.customary import in_bar, in_celsius
+from screwsim.scene.left_out import suitable_effects
 from screwsim.scene.lines import Lines
-from screwsim.scene.plausible import suitable_effects
 from screwsim.scene.types import Scene
 
 DELIVERED = 1e-3  # volumetric efficiency above which a machine counts as one that delivers

@@ -31,7 +31,7 @@ from screwsim.numerics.settings import CLOSINGS
 from screwsim.outputs.customary import in_bar, in_celsius, with_printed_units
 from screwsim.scene.fields import Section, section_of
 from screwsim.scene.grid import FLUID, case_count, dimensions
-from screwsim.scene.plausible import leaks_in_words, machine_in_words, suitable_effects
+from screwsim.scene.left_out import leaks_in_words, machine_in_words, suitable_effects
 from screwsim.scene.types import ActiveEffect, Scene
 from screwsim.scene.units import readable_quantity
 

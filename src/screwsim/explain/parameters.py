@@ -17,7 +17,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.machine.kinds import find_machine
 from screwsim.machine.protocol import Size
 from screwsim.scene.fields import Leaf, Section, scene_section, section_of, unknown_key, value_at
-from screwsim.scene.plausible import machine_in_words, suitable_effects
+from screwsim.scene.left_out import machine_in_words, suitable_effects
 from screwsim.scene.sizes import sizes_of_effect
 from screwsim.scene.types import Scene
 from screwsim.scene.units import customary_unit, readable_quantity, to_customary

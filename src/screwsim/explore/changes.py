@@ -17,8 +17,8 @@ from screwsim.inputs.declare import KINDS
 from screwsim.results.schema import named_files
 from screwsim.scene import Scene, load
 from screwsim.scene.fields import FIXED, Leaf, leaf_paths
+from screwsim.scene.left_out import suitable_effects
 from screwsim.scene.load import files_with_bases
-from screwsim.scene.plausible import suitable_effects
 from screwsim.scene.tolerances import tolerance_text
 from screwsim.scene.units import Refused
 from screwsim.scene.values import convert, shown, text_of

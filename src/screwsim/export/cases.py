@@ -21,7 +21,7 @@ from screwsim.results.schema import Axis, cf_unit, quantities_along
 from screwsim.results.tables import write_table
 from screwsim.scene.fields import catalogue_leaves
 from screwsim.scene.types import COVERAGE
-from screwsim.study.calibration.data import UNCERTAINTY_SUFFIX
+from screwsim.study.calibration.columns import UNCERTAINTY_SUFFIX
 
 Array = np.ndarray
 SI, METRIC, US = "si", "metric", "us"

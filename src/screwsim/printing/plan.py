@@ -20,7 +20,7 @@ from screwsim.scene import Scene
 from screwsim.screen import say
 from screwsim.study.asked.figure_units import CELSIUS, units_of
 from screwsim.study.asked.inputs import in_customary, unit_of_change
-from screwsim.study.calibration.data import UNCERTAINTY_SUFFIX
+from screwsim.study.calibration.columns import UNCERTAINTY_SUFFIX
 from screwsim.study.calibration.plan import Plan, point_name
 from screwsim.study.uncertainty.spreads import not_included
 

@@ -28,8 +28,7 @@ from screwsim.outputs.display import About, Brief
 from screwsim.scene import Scene, cross_check
 from screwsim.study.asked.inputs import shown_value
 from screwsim.study.asked.spans import Span, read_ranges
-from screwsim.study.calibration.data import odd_uncertainty
-from screwsim.study.calibration.fit import Fit, Measurement, Point, prior_of
+from screwsim.study.calibration.fit import Fit, Measurement, Point, odd_uncertainty, prior_of
 from screwsim.study.calibration.machine import (
     NO_SHIFTS,
     Group,
