@@ -10,26 +10,21 @@ from collections.abc import Iterator
 from typing import Any
 
 import CoolProp.CoolProp as coolprop
-from relating import Case, Law, NotAsked, Pair
+from relating import Case, NotAsked, Pair, law
 from relation_laws import LOSSES
 
 from screwsim.outputs import Result
 
-LAWS: dict[str, Law] = {}
 EXACT = 1e-6  # relative difference of an identity: its terms are rounded, or iterated with their sum
 PROPERTY = 1e-5  # the same where one side is CoolProp's
 BOUND = 1.0  # of the wanted accuracy: by which a bound may be passed
 R = 8.314462618
 GIVERS = "wall_heat", "cylinder_heat", "motor"  # of heat that is no shaft power
+FITTED = "R404A", "R407C", "R410A", "R507A"  # whose curves of a blend are fitted as those of one fluid (M411)
 INFLOW = "suction_throttle", "bypass", "air_package"
+FRICTION = "hydromechanical_power", "mechanical_power", "oil_drag_power", "bearing_power"
 LAWLESS = "oil_not_conserved"
 WARMING = ("separator", "hydromechanical", "mechanical", "oil_pump", "oil_drag", "bearings", "oil_lift", "oil_supply")
-
-
-def law(asked: Law) -> Law:
-    """Add a law under its name."""
-    LAWS[asked.__name__] = asked
-    return asked
 
 
 def identity(result: Result, what: str, found: Any, own: Any, of: float | None = None, may: float = EXACT) -> Pair:
@@ -77,7 +72,7 @@ def sums_and_quotients(case: Case) -> Iterator[Pair]:
         volume = p["volumetric_efficiency"] * p["displacement_flow"]
         yield identity(result, "specific_power × flow", p["specific_power"] * volume, shaft)
     if "electrical_power" in p:
-        electrical = shaft if "motor_power" not in p else p["motor_power"]
+        electrical = p.get("motor_power", shaft)
         yield identity(result, "electrical_power", p["electrical_power"], electrical + p["motor_loss"])
     if "package_input_power" in p:
         whole = p["electrical_power"] + p.get("fan_power", 0.0)
@@ -143,13 +138,16 @@ def properties(case: Case) -> Iterator[Pair]:
     if scene.gas.model == "real" and "isentropic_efficiency" in p and "economizer" not in scene.effects:
         state = _vapour(fluid, low, T)
         h, s = state.hmass(), state.smass()
-        state.update(coolprop.PSmass_INPUTS, high, s)
+        try:
+            state.update(coolprop.PSmass_INPUTS, high, s)
+        except ValueError:
+            raise NotAsked("CoolProp finds no such state") from None
         lossless = flow * (state.hmass() - h)
         pair = (lossless, shaft) if scene.machine.mode != "expander" else (-shaft, -lossless)
         yield identity(result, "isentropic_efficiency", p["isentropic_efficiency"] * pair[1], pair[0], may=PROPERTY)
     if "condensing_temperature" in p:
         for name, pressure in (("evaporating", low), ("condensing", high)):
-            if f"{name}_temperature" in p and f"{name}_bubble_temperature" not in p:
+            if f"{name}_temperature" in p and f"{name}_bubble_temperature" not in p and fluid not in FITTED:
                 T_sat = coolprop.PropsSI("T", "P", pressure, "Q", 1, fluid)
                 yield identity(result, name, p[f"{name}_temperature"], T_sat, may=PROPERTY)
     yield from _capacities(case, p, fluid)
@@ -194,6 +192,60 @@ def _capacities(case: Case, p: dict[str, float], fluid: str) -> Iterator[Pair]:
 
 
 @law
+def first_law(case: Case) -> Iterator[Pair]:
+    """What a cycle takes up and is driven by, it gives off; so does an air package."""
+    result, scene = case.result, case.scene
+    p = {name: value for name, value in result.performance.items() if value is not None}
+    own = scene.effects.get("separator")
+    if own is None:
+        raise NotAsked("no separator")
+    may = 3.0 * scene.numerics.accuracy
+    friction = sum(p.get(name, 0.0) for name in FRICTION)
+    lost = own.parameters.ambient_loss + (1.0 - own.parameters.friction_share) * friction
+    if {"heating_capacity", "oil_cooler_duty"} <= p.keys() and not {
+        "wall_heat",
+        "cylinder_heat",
+    } & scene.effects.keys():
+        motor = p["motor_loss"] if case.value("effects.motor.cooling") == "suction_gas" else 0.0
+        given = p["heating_capacity"] + p["oil_cooler_duty"] + lost
+        given += sum(p.get(name, 0.0) for name in ("economizer_heat_loss", "liquid_injection_heat_loss"))
+        taken = p["cooling_capacity"] + p["shaft_power"] + motor
+        yield identity(result, "heat given off", given, taken, p["shaft_power"], may)
+    if "package_heat" in p and scene.gas.relative_humidity is None and scene.gas.model == "ideal":
+        k = scene.gas.isentropic_exponent or _exponent(scene.gas.fluid, p["suction_temperature"])
+        c_p = R / coolprop.PropsSI("molar_mass", scene.gas.fluid) * k / (k - 1.0)
+        rise = p["gas_mass_flow"] * c_p * (p["package_discharge_temperature"] - p["suction_temperature"])
+        heat = p["package_input_power"] - rise
+        yield identity(result, "package_heat", p["package_heat"], heat, p["package_input_power"], may)
+
+
+def _exponent(fluid: str, T: float) -> float:
+    """Return cp/cv of the ideal gas at T [K]."""
+    heat = coolprop.PropsSI("CP0MOLAR", "T", T, "P", 1e3, fluid)
+    return heat / (heat - coolprop.PropsSI("GAS_CONSTANT", fluid))
+
+
+@law
+def packages(case: Case) -> Iterator[Pair]:
+    """An air package's flow, isentropic efficiency and specific power are those of ISO 1217."""
+    result, scene = case.result, case.scene
+    p = {name: value for name, value in result.performance.items() if value is not None}
+    if (
+        "free_air_delivered" not in p
+        or scene.gas.relative_humidity is not None
+        or "package_isentropic_efficiency" not in p
+    ):
+        raise NotAsked("no package of dry air that delivers")
+    low, high, T = p["suction_pressure"], p["package_discharge_pressure"], p["suction_temperature"]
+    density = low / (R / coolprop.PropsSI("molar_mass", scene.gas.fluid) * T)
+    yield identity(result, "free_air_delivered", p["free_air_delivered"] * density, p["gas_mass_flow"], may=1e-4)
+    k = 1.4
+    work = low * p["free_air_delivered"] * k / (k - 1.0) * ((high / low) ** ((k - 1.0) / k) - 1.0)
+    own = p["package_isentropic_efficiency"] * p["package_input_power"]
+    yield identity(result, "package_isentropic_efficiency", own, work, may=1e-4)
+
+
+@law
 def second_law(case: Case) -> Iterator[Pair]:
     """Balances close, every effect destroys exergy, and no machine is better than a reversible one."""
     result, scene = case.result, case.scene
@@ -220,7 +272,7 @@ def second_law(case: Case) -> Iterator[Pair]:
     p_flow = result.performance.gas_mass_flow or 0.0
     for name, x in entries.items():
         may_gain = name in GIVERS or name.endswith("_plenum") or name == LAWLESS
-        if name in INFLOW and p_flow <= 0.0:
+        if name in (*INFLOW, "discharge_line") and p_flow <= 0.0:
             continue  # for inflow alone, as a warning says
         if not may_gain and not (name == "suction_line" and name not in scene.effects):
             words = f"{name} destroys {x:.6g} W of {size:.6g}"

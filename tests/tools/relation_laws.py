@@ -1,37 +1,24 @@
-"""Laws that tie a random scene to others: the same machine stated otherwise, a similar one, one that gains or loses.
+"""Laws that tie a random scene to the same machine stated otherwise, or to one that gains or loses something.
 
 Each law yields pairs of results. `relations.py` asks them.
 """
 
 from __future__ import annotations
 
-import math
-import re
-from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
-import CoolProp.CoolProp as coolprop
-import numpy as np
-import pytest
-from relating import Case, Law, Lost, NotAsked, Pair, believed, twin
-from test_dimensions import SI
+from relating import Case, Lost, NotAsked, Pair, law, read, scaled, tree_of, twin
 
-from screwsim.batch import simulate_courses
 from screwsim.effects import catalogue
 from screwsim.figures import Performance
-from screwsim.fluid import transport
-from screwsim.inputs.declare import is_derived
 from screwsim.inputs.faults import SceneError, UsageError
-from screwsim.outputs import Result
-from screwsim.scene import Scene, loads, scene_text, value_at, with_values
+from screwsim.scene import value_at, with_values
 from screwsim.scene.fields import leaves_of
 from screwsim.scene.units import _TABLE
-from screwsim.simulate import simulate, simulate_many
 
-LAWS: dict[str, Law] = {}
-SOME = 2  # neutral effects of a scene, other accuracies, other ways
+SOME = 2  # neutral effects of a scene
 GAP = {"gap": "30 um", "flow_coefficient": 0}
 WINDOW = {"opens": "400 deg", "closes": "500 deg", "area": "1e-6 mm^2"}
 NEUTRAL: dict[str, dict[str, Any]] = {  # effects at the value at which they do nothing
@@ -74,6 +61,7 @@ NEUTRAL: dict[str, dict[str, Any]] = {  # effects at the value at which they do 
     "liquid_injection": WINDOW,
     "separator": {},
     "ring_leakage": GAP,
+    "cylinder_heat": {"wall_temperature": "350 K", "factor": 1e-9},
     "air_package": {"rated_flow": "1e6 m^3/min", "inlet_filter": {"pressure_loss": "30 mbar"}},
     "drive": {
         "motor_inertia": "1e6 kg m^2",
@@ -98,31 +86,7 @@ LEAKS |= {f"effects.{name}.area": 1.3 for name in ("blow_hole", "shaft_leakage",
 LOSSES = {"mechanical": "mechanical_power", "hydromechanical": "hydromechanical_power", "oil_drag": "oil_drag_power"}
 LOSSES |= {"bearings": "bearing_power", "oil_pump": "oil_pump_power"}
 LOOPS = "separator", "drive", "air_package"  # through which losses act on the cycle
-ACCURACIES = 1e-3, 3e-4, 1e-4, 1e-5
-FAR_AWAY = {"operation.speed": (0.3, 3.0), "oil_supply.ratio": (0.1, 10.0)}
-ARGON = 40.0 / 24.0  # k of a gas of single atoms
-RARE = 1e-4  # of the pressure: there a real gas is an ideal one within 1e-6
-ALMOST = 1e-5  # relative difference that stays then
-TRACE = 1e-9  # mass fraction of the second component of a blend that is nearly pure
 SAME_LOBES = "isentropic_efficiency", "work_per_cycle", "discharge_temperature", "peak_pressure", "trapped_mass"
-
-
-def law(asked: Law) -> Law:
-    """Add a law under its name."""
-    LAWS[asked.__name__] = asked
-    return asked
-
-
-def scaled(found: Result, factors: Mapping[str, float]) -> Result:
-    """Return a result whose figures are multiplied by factors, all others left as they are."""
-    about = found.performance.about
-    values = {name: x if x is None else x * factors.get(name, 1.0) for name, x in found.performance.items()}
-    return replace(found, performance=Performance(values, about))
-
-
-def different(one: Result, other: Result) -> float:
-    """Return infinity where a figure of two results differs in any bit, otherwise 0."""
-    return 0.0 if dict(one.performance) == dict(other.performance) else math.inf
 
 
 @law
@@ -158,31 +122,18 @@ def split_gap(case: Case) -> Iterator[Pair]:
             raise NotAsked("a gap of another law")
         half = 0.5 * parameters.flow_coefficient
         own = f"effects.own_effects.second_{SPLIT[str(name)]}"
-        tree = _tree(case.scene)
+        tree = tree_of(case.scene)
         tree["effects"][str(name)]["flow_coefficient"] = half
         tree["effects"][own.removeprefix("effects.")] = dict(tree["effects"][str(name)])
-        yield Pair(f"two halves of {name}", here, twin(_read(tree, case.scene)))
-
-
-def _tree(scene: Scene) -> dict[str, Any]:
-    import yaml
-
-    found: dict[str, Any] = yaml.safe_load(scene_text(scene))
-    return found
-
-
-def _read(tree: Mapping[str, Any], scene: Scene) -> Scene:
-    import yaml
-
-    return loads(yaml.safe_dump(dict(tree), sort_keys=False), folder=scene.folder)
+        yield Pair(f"two halves of {name}", here, twin(read(tree, case.scene)))
 
 
 @law
 def written_otherwise(case: Case) -> Iterator[Pair]:
     """Effects and keys in another order, numbers in other units: the same machine."""
-    here, tree = case.result, _tree(case.scene)
+    here, tree = case.result, tree_of(case.scene)
     tree["effects"] = {str(name): tree["effects"][str(name)] for name in case.random.permutation(list(tree["effects"]))}
-    yield Pair("effects in another order", here, twin(_read(tree, case.scene)))
+    yield Pair("effects in another order", here, twin(read(tree, case.scene)))
     values = {}
     for path, leaf in leaves_of(case.scene).items():
         units = _TABLE.get(leaf.dimension.si, {}) if leaf.dimension else {}
@@ -192,140 +143,6 @@ def written_otherwise(case: Case) -> Iterator[Pair]:
             times, over = units[unit]
             values[path] = f"{value / times * over!r} {unit}"
     yield Pair("in other units", here, twin(case.changed(values)))
-
-
-@law
-def similar(case: Case) -> Iterator[Pair]:
-    """A machine of other lengths, times, masses and temperatures with the same numbers without dimension is similar."""
-    here, scene, random = case.result, case.scene, case.random
-    own = "refrigerant_solubility", "thermal_clearances"
-    if any(name in scene.effects for name in own) or _has_sizes(scene):
-        raise NotAsked("laws with sizes of their own")
-    if scene.oil is not None and scene.oil.name:
-        raise NotAsked("an oil with a temperature of its own")
-    length = math.exp(random.uniform(-1.0, 1.0))
-    mass = length**3
-    if scene.gas.model == "ideal" and scene.gas.relative_humidity is None:
-        mass = math.exp(random.uniform(-1.0, 1.0))
-    factors = {"kg": mass, "m": length, "s": length}
-    with pytest.MonkeyPatch.context() as patch:
-        other = _in_units(scene, factors, patch)
-        there = twin(other)
-    about = there.performance.about
-    back = {name: 1.0 / _factor(about[name].units, factors) for name in there.performance}
-    yield Pair(f"similar by {length:.3g} m, {mass:.3g} kg", here, scaled(there, back), slack=1e-6)
-
-
-def _has_sizes(scene: Scene) -> bool:
-    """Return whether a scene has fits to gaps of a size, or motors of classes, which are listed by power."""
-    parameters = [each.parameters for each in scene.effects.values()]
-    fitted = any(getattr(each, "friction_fit", None) is not None for each in parameters)
-    return fitted or any(getattr(each, "efficiency_class", "stated") != "stated" for each in parameters)
-
-
-def _factor(unit: str, factors: Mapping[str, float]) -> float:
-    """Return the factor of a quantity of an SI unit, where those of kg, m, s and K are given."""
-    over, _, under = unit.partition("/")
-    found = 1.0
-    for part, sign in ((over, 1), (under.strip("()"), -1)):
-        for name, exponent in re.findall(r"([A-Za-z]+|1)\^?(-?\d+)?", part):
-            kelvins = factors.get("K", 1.0) if name in ("K", "kelvin") else 1.0
-            kg, m, s = SI[name]
-            found *= (factors["kg"] ** kg * factors["m"] ** m * factors["s"] ** s * kelvins) ** (
-                sign * int(exponent or 1)
-            )
-    return found
-
-
-def _in_units(scene: Scene, factors: Mapping[str, float], patch: pytest.MonkeyPatch) -> Scene:
-    """Return a scene in other units, and make CoolProp's transport properties those of the same gas in them."""
-    _scale_transport(patch, factors)
-    found = {}
-    for path, leaf in leaves_of(scene).items():
-        value = None if leaf.dimension is None else value_at(scene, path)
-        if value and leaf.dimension is not None and not is_derived(value):
-            found[path] = value * _factor(leaf.dimension.si, factors)
-    return with_values(scene, found)
-
-
-def _scale_transport(patch: pytest.MonkeyPatch, factors: Mapping[str, float]) -> None:
-    """Make CoolProp's conductivity and viscosity of a gas those of the same gas in other units."""
-    pressure, conducts, viscous = (_factor(unit, factors) for unit in ("Pa", "W/(m K)", "Pa s"))
-    of_both, of_one, hot = transport.transport, transport.viscosity, factors.get("K", 1.0)
-
-    def both(fluid: Any, p: float, T: float) -> tuple[float, float, float]:
-        conductivity, viscosity, prandtl = of_both(fluid, p / pressure, T / hot)
-        return conducts * conductivity, viscous * viscosity, prandtl
-
-    for module in ("parts.gas_transport", "cylinder_heat"):
-        patch.setattr(f"screwsim.effects.{module}.transport", both)
-    one = "screwsim.effects.parts.gap_flow.vapour_viscosity"
-    patch.setattr(one, lambda fluid, p, T: viscous * of_one(fluid, p / pressure, T / hot))
-
-
-@law
-def hotter(case: Case) -> Iterator[Pair]:
-    """An ideal gas of constant k at other temperatures is the same machine at a speed that goes with their root."""
-    here, scene = case.result, case.scene
-    own = {"refrigerant_solubility", "thermal_clearances", "economizer", "liquid_injection", "separator", "air_package"}
-    if scene.gas.model != "ideal" or own & scene.effects.keys() or _has_sizes(scene):
-        raise NotAsked("laws with temperatures of their own")
-    if scene.gas.relative_humidity is not None or case.value("operation.suction.temperature") is None:
-        raise NotAsked("lines by saturation")
-    if scene.oil is not None and scene.oil.name:
-        raise NotAsked("an oil with a temperature of its own")
-    warmer = math.exp(case.random.uniform(-0.3, 0.3))
-    factors = {"kg": 1.0, "m": 1.0, "s": warmer**-0.5, "K": warmer}
-    k = scene.gas.isentropic_exponent
-    if k is None:
-        heat = coolprop.PropsSI("CP0MOLAR", "T", here.performance.suction_temperature, "P", 1e3, scene.gas.fluid)
-        k = heat / (heat - coolprop.PropsSI("GAS_CONSTANT", scene.gas.fluid))
-    constant = case.changed({"gas.isentropic_exponent": k})
-    about = here.performance.about
-    with pytest.MonkeyPatch.context() as patch:
-        there = twin(_in_units(constant, factors, patch))
-    back = {name: 1.0 / _factor(about[name].units, factors) for name in there.performance}
-    yield Pair(f"{warmer:.3g} times as hot", here, scaled(there, back), slack=1e-6)
-
-
-@law
-def rare_argon(case: Case) -> Iterator[Pair]:
-    """A real gas of single atoms at a low pressure is an ideal gas of k = 5/3."""
-    case.result
-    if case.scene.gas.model != "ideal" or case.value("operation.suction.temperature") is None:
-        raise NotAsked("no ideal gas with a stated temperature")
-    if {"refrigerant_solubility", "air_package", "economizer", "liquid_injection"} & case.scene.effects.keys():
-        raise NotAsked("needs its own gas")
-    ideal = case.changed({"gas": {"fluid": "Argon", "isentropic_exponent": 5.0 / 3.0}})
-    real = case.changed({"gas": {"fluid": "Argon", "model": "real"}})
-    factors = {"kg": RARE, "m": 1.0, "s": 1.0}
-    with pytest.MonkeyPatch.context() as patch:
-        try:
-            one = twin(_in_units(ideal, factors, patch))
-        except Lost as why:
-            raise NotAsked(str(why)) from None
-    with pytest.MonkeyPatch.context() as patch:
-        other = twin(_in_units(real, factors, patch))
-    yield Pair("rare argon, real", one, other, slack=ALMOST, without=("isothermal_efficiency",))
-
-
-@law
-def nearly_pure(case: Case) -> Iterator[Pair]:
-    """A blend with next to nothing of its second component is the pure fluid."""
-    case.result
-    if case.scene.gas.model != "real" or case.scene.gas.two_phase != "refuse":
-        raise NotAsked("no real gas of one phase")
-    if {"refrigerant_solubility", "economizer", "liquid_injection"} & case.scene.effects.keys():
-        raise NotAsked("needs its own gas")
-    pure = case.changed({"gas": {"fluid": "R32", "model": "real"}})
-    blend = case.changed({"gas": {"fluid": ["R32", "R125"], "mass_fractions": [1.0 - TRACE, TRACE], "model": "real"}})
-    try:
-        one = twin(pure)
-    except Lost as why:
-        raise NotAsked(str(why)) from None
-    if any(name in case.scene.effects for name in ("cylinder_heat", "wall_heat", "droplets")):
-        raise NotAsked("transport properties of blends are those of dilute gases (M318)")
-    yield Pair("R32 with a trace of R125", one, twin(blend), slack=ALMOST)
 
 
 @law
@@ -343,7 +160,7 @@ def dry_in_two_phases(case: Case) -> Iterator[Pair]:
 @law
 def hardly_any_oil(case: Case) -> Iterator[Pair]:
     """Next to no oil is no oil."""
-    case.result
+    case.believe()
     scene = case.scene
     if scene.oil_supply is None or case.value("oil_supply.ratio") is None or "separator" in scene.effects:
         raise NotAsked("no ratio of oil")
@@ -365,7 +182,7 @@ def _needs_oil(name: str) -> bool:
 @law
 def lobes(case: Case) -> Iterator[Pair]:
     """Chambers that nothing connects work alike, however many there are."""
-    case.result
+    case.believe()
     scene = case.scene
     if scene.machine.kind != "twin_screw" or case.value("machine.volume.law") != "paper":
         raise NotAsked("no screw by laws")
@@ -419,102 +236,3 @@ def losses_add(case: Case) -> Iterator[Pair]:
             only = ("shaft_power", "gas_mass_flow", "discharge_temperature", "indicated_power")
             expected = replace(here, performance=Performance(dict(here.performance) | values, here.performance.about))
             yield Pair(f"without {name}", expected, without, only)
-
-
-@law
-def found_values(case: Case) -> Iterator[Pair]:
-    """A value that the program finds, stated, gives the same result."""
-    here, p, scene = case.result, case.result.performance, case.scene
-    supply = scene.oil_supply
-    if supply is not None and supply.kind == "displacement" and "oil_injection" not in scene.effects:
-        stated = {"kind": "pump", "ratio": p.oil_ratio, "temperature": supply.temperature}
-        stated = {key: value for key, value in stated.items() if value is not None}
-        stated["temperature"] = f"{supply.temperature!r} K" if supply.temperature is not None else None
-        yield Pair("its oil ratio stated", here, twin(case.changed({"oil_supply": stated})))
-    if "separator" in scene.effects and supply is not None and supply.temperature is None:
-        values: dict[str, Any] = {"oil_supply.temperature": f"{p.oil_supply_temperature!r} K"}
-        values["effects.separator.cooler"] = None
-        apart = "oil_circuit_residual", "oil_cooler_load"
-        yield Pair("its oil temperature stated", here, twin(case.changed(values)), without=apart)
-    if "suction_throttle" in scene.effects and "suction_line" not in scene.effects and scene.gas.model == "ideal":
-        suction = {"pressure": f"{p.intake_pressure!r} Pa", "temperature": f"{p.intake_temperature!r} K"}
-        if {"bypass", "air_package", "plenums"} & scene.effects.keys() or case.value(
-            "operation.suction.pressure"
-        ) is None:
-            raise NotAsked("more changes the intake")
-        only = "gas_mass_flow", "indicated_power", "discharge_temperature", "peak_pressure", "trapped_mass"
-        wide = case.changed({"operation.suction": suction}, ["suction_throttle"])
-        yield Pair("its intake stated as suction", here, twin(wide), only)
-    if p.get("evaporating_temperature") is not None and case.value("operation.evaporating_temperature") is not None:
-        if case.value("operation.subcooling") is None and not {"economizer", "liquid_injection"} & scene.effects.keys():
-            yield Pair("its pressures stated", here, twin(_by_pressures(case)))
-
-
-def _by_pressures(case: Case) -> Scene:
-    p, tree = case.result.performance, _tree(case.scene)
-    for key in ("evaporating_temperature", "condensing_temperature", "superheat", "gas_cooler"):
-        tree["operation"].pop(key, None)
-    if "quality" in tree["operation"].get("suction", {}):
-        raise NotAsked("wet")
-    ends = {"pressure": f"{p.suction_pressure!r} Pa", "temperature": f"{p.suction_temperature!r} K"}
-    kept = tree["operation"].get("discharge") or {}
-    tree["operation"] |= {"suction": ends, "discharge": {**kept, "pressure": f"{p.discharge_pressure!r} Pa"}}
-    return _read(tree, case.scene)
-
-
-@law
-def another_way(case: Case) -> Iterator[Pair]:
-    """A point alone, in a row behind a far one, in lanes, closed otherwise: the same figures."""
-    here, scene = case.result, case.scene
-    far, near = _far(case), with_values(scene, {"operation.speed": 1.02 * scene.operation.speed})
-    how = "coupled" if scene.numerics.closing != "coupled" else "auto"
-    closed = replace(scene, numerics=replace(scene.numerics, closing=how))
-    ways: dict[str, Callable[[], Result]] = {
-        "behind a far point": lambda: _last([far, scene]),
-        "behind a near point": lambda: _last([near, scene]),
-        "in lanes": lambda: simulate_courses([[scene], [near], [far]])[0][0],
-        f"closed {how}": lambda: simulate(closed, trace=False),
-    }
-    for way in map(str, case.random.permutation(list(ways))[:SOME]):
-        yield Pair(way, here, believed_twin(ways[way](), scene))
-
-
-def believed_twin(found: Result, scene: Scene) -> Result:
-    """Return a result tied to one that is ok; raise Lost or NotAsked as `twin` does."""
-    if found.status != "ok":
-        raise Lost(f"{found.status}: {found.message}")
-    return believed(found, scene)
-
-
-def _last(row: list[Scene]) -> Result:
-    return list(simulate_many(row, trace=False))[-1]
-
-
-def _far(case: Case) -> Scene:
-    values = {}
-    for path, ends in FAR_AWAY.items():
-        value = case.value(path)
-        if isinstance(value, float) and value:
-            values[path] = value * math.exp(case.random.uniform(*np.log(ends)))
-    return with_values(case.scene, values)
-
-
-@law
-def in_threads(case: Case) -> Iterator[Pair]:
-    """Threads beside each other, and a run after others, give the same bits."""
-    case.result
-    alone = twin(case.scene)
-    with ThreadPoolExecutor(2) as pool:
-        found = list(pool.map(lambda scene: simulate(scene, trace=False), [case.scene, _far(case)]))
-    for each in (found[0], twin(case.scene)):
-        yield Pair("bits in threads and after others", alone, each, broken=different(alone, each))
-
-
-@law
-def another_accuracy(case: Case) -> Iterator[Pair]:
-    """Each accuracy gives the figures of the others, within the errors that both tell."""
-    here, wanted = case.result, case.scene.numerics.accuracy
-    for accuracy in map(float, case.random.permutation(ACCURACIES)[:SOME]):
-        if accuracy != wanted:
-            scene = replace(case.scene, numerics=replace(case.scene.numerics, accuracy=accuracy))
-            yield Pair(f"accuracy {accuracy}, not {wanted}", here, believed_twin(simulate(scene, trace=False), scene))

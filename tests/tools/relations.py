@@ -1,8 +1,8 @@
 """Solve random scenes and others that a law ties to them, and print the pairs that break their law.
 
 Run: relations.py [LAW …] [--seed 1] [--count 100] [--effects STRUCTURE]. Each scene is one of `effects_space.py`, a
-machine of `screwsim new` (`fuzz_new.py`), or one around a shipped one (`fuzz_courses.py`); each law of
-`relation_laws.py` and `relation_figures.py` that it is drawn for is asked of it. Figures may differ by the errors that
+machine of `screwsim new` (`fuzz_new.py`), or one around a shipped one (`fuzz_courses.py`); each law of the
+modules `relation_*.py` is asked of it. Figures may differ by the errors that
 both results tell, and by `UNTOLD` of the wanted accuracy. Estimates may be beaten now and then: pairs further apart are
 counted, those more than `FAR` times as far are printed, and make the exit code 1. Scenes that are not ok, or that warn
 of their accuracy, say nothing.
@@ -24,11 +24,14 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
 import effects_space  # noqa: E402
 import fuzz_new  # noqa: E402
-import relation_figures  # noqa: E402
-import relation_laws  # noqa: E402
+import relation_figures  # noqa: E402, F401  each adds its laws
+import relation_inputs  # noqa: E402, F401
+import relation_laws  # noqa: E402, F401
+import relation_similar  # noqa: E402, F401
+import relation_ways  # noqa: E402, F401
 from fuzz_courses import KINDS, course  # noqa: E402
 from judging import Stopped, limited  # noqa: E402
-from relating import Case, Law, Lost, NotAsked, Pair  # noqa: E402
+from relating import LAWS, Case, Law, Lost, NotAsked, Pair  # noqa: E402
 
 from screwsim.figures.errors import relative_errors  # noqa: E402
 from screwsim.inputs.faults import SceneError, UsageError  # noqa: E402
@@ -39,7 +42,6 @@ UNTOLD = 0.05  # of the wanted accuracy: differences that no estimate has to tel
 FAR = 3.0  # times what is told: a pair that breaks its law
 SECONDS = 20.0  # for a law of a scene
 OF_EFFECTS, OF_NEW = 0.6, 0.2  # shares of the scenes; the others lie around shipped ones
-LAWS: dict[str, Law] = relation_laws.LAWS | relation_figures.LAWS
 
 
 class Broken(NamedTuple):
@@ -105,7 +107,7 @@ def asked(law: Law, case: Case) -> tuple[list[list[Broken]], str]:
         return found, str(why)
     except (NotAsked, Stopped, SceneError, UsageError):
         pass
-    except Exception as error:  # what no scene may cause
+    except Exception as error:  # noqa: BLE001  no scene may cause any other
         found.append([Broken(math.inf, type(error).__name__, f"{type(error).__name__}: {error}")])
     return found, ""
 
