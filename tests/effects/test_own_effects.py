@@ -118,3 +118,13 @@ def test_a_later_case_of_a_sweep_does_not_suffer_from_one_that_failed():
 def test_a_scene_without_own_effects_asks_nothing(monkeypatch):
     monkeypatch.setattr(sys.modules["screwsim.evaluate.own_effects"], "_points", None)
     assert simulate(make({})).status == "ok"
+
+
+def test_a_gap_of_an_own_effect_stays_as_stated_where_the_shipped_ones_grow_warm():
+    base = scene_dict({})["effects"]
+    warm = {"rotor_temperature": "330 K", "housing_temperature": "330 K", "axis_distance": "125 mm"}
+    with_own = base | {"thermal_clearances": warm, "own_effects.second_tip": {"gap": "20 um"}}
+    one = simulate(loads(json.dumps({**scene_dict({}), "effects": with_own})))
+    assert one.status == "ok"
+    growth = 10.5e-6 * (330.0 - 293.15) - 11.5e-6 * (330.0 - 293.15)
+    assert one.performance.tip_gap == pytest.approx(50e-6 + growth * 0.08, rel=1e-9)

@@ -126,7 +126,10 @@ def build(parameters: Parameters, machine) -> list[Made | Scaled | Reading]:
     def read(figures) -> dict[str, float | None]:
         """Return the warm gaps [m]."""
         turn = figures.turn
-        return {GAPS[effect]: gap * turn.made[f"{effect}_widening"] for effect, gap in turn.gaps.items()}
+        cold = {
+            effect: turn.gaps[effect] for effect in GAPS if effect in turn.gaps
+        }  # effects of users may have gaps, too
+        return {GAPS[effect]: gap * turn.made[f"{effect}_widening"] for effect, gap in cold.items()}
 
     return [*parts, Reading(names_of(FIGURES), read)]
 
