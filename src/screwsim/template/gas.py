@@ -286,8 +286,7 @@ def _speeds(asked: SceneRequest, rated: float, speed: float) -> dict[str, str]:
         fraction, transmission = BELTS if rated <= BELTED else GEARS
         return {
             "driven": texts.filled("fixed_speed", {**motor, "fraction": fraction, "transmission": transmission}),
-            "sweep": "    unloaded: {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}
-" if alone else "",
+            "sweep": "    unloaded: {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}\n" if alone else "",
         }
     inverter = {
         "share": f"{100.0 * INVERTER_LOSS_SHARE:g}",
