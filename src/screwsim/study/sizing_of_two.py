@@ -79,7 +79,7 @@ def _solved(kind: str, asked: SceneRequest, ends: Ends, found: Found, warm: bool
     except SceneError as error:
         _, _, what = error.lines[0].partition(": ")
         raise UsageError(f"{two_stages.OPTION}: such stages are not possible: {what}") from None
-    chain = StageChain("", low, high, Intercooler(**two_stages.intercooler_of(kind, asked, ends)))
+    chain = StageChain("", low, high, Intercooler(*two_stages.between_of(kind, asked, ends)))
     return SizedStages(texts, ends, chain, run_stages(chain, warm))
 
 

@@ -186,19 +186,25 @@ def scenes_of(kind: str, asked: SceneRequest, ends: Ends, found: Found) -> tuple
     return refrigeration.scene_of(plant, low), refrigeration.scene_of(plant, high)
 
 
-def intercooler_of(kind: str, asked: SceneRequest, ends: Ends) -> dict[str, str | float]:
-    """Return what lies between both stages: its kind, and of a cooler its outlet [K] and pressure drop [Pa]."""
+class Between(NamedTuple):
+    """What lies between both stages: its kind, and of a cooler its outlet [K] and pressure drop [Pa]."""
+
+    kind: str
+    outlet_temperature: float | None = None
+    pressure_drop: float = 0.0
+
+
+def between_of(kind: str, asked: SceneRequest, ends: Ends) -> Between:
+    """Return what lies between both stages."""
     if kind == COOLING:
-        return {"kind": "flash_intercooler" if _refrigerant(asked).lower() in COPPER_CORROSIVES else "economizer"}
-    if ends.cooled is None:
-        return {"kind": "none"}
-    return {"kind": "cooler", "outlet_temperature": ends.cooled, "pressure_drop": PRESSURE_DROP}
+        return Between("flash_intercooler" if _refrigerant(asked).lower() in COPPER_CORROSIVES else "economizer")
+    return Between("none") if ends.cooled is None else Between("cooler", ends.cooled, PRESSURE_DROP)
 
 
 def stages_text(kind: str, asked: SceneRequest, ends: Ends, names: Names) -> str:
     """Return the text of the file that joins both scenes."""
-    between = intercooler_of(kind, asked, ends)
-    entry = f"kind: {between['kind']}"
+    between = between_of(kind, asked, ends)
+    entry = f"kind: {between.kind}"
     if ends.cooled is not None:
         cooled = f"{ends.cooled - ZERO_CELSIUS:g} degC"
         entry += f", outlet_temperature: {cooled}, pressure_drop: {1e-5 * PRESSURE_DROP:g} bar"
@@ -210,7 +216,7 @@ def stages_text(kind: str, asked: SceneRequest, ends: Ends, names: Names) -> str
         "title": f"{'Air package' if kind == AIR else f'Refrigeration plant, {fluid}'}, {lines}, two stages",
         "low": names.low,
         "high": names.high,
-        "told": TOLD[str(between["kind"])],
+        "told": TOLD[between.kind],
         "intercooler": entry,
         "sweep": _sweep(asked) if asked.variable else "",
     }
