@@ -79,7 +79,9 @@ def _solved(kind: str, asked: SceneRequest, ends: Ends, found: Found, warm: bool
     except SceneError as error:
         _, _, what = error.lines[0].partition(": ")
         raise UsageError(f"{two_stages.OPTION}: such stages are not possible: {what}") from None
-    chain = StageChain("", low, high, Intercooler(*two_stages.between_of(kind, asked, ends)))
+    kind_between, outlet, drop = two_stages.between_of(kind, asked, ends)
+    between = Intercooler(kind=kind_between, outlet_temperature=outlet, pressure_drop=drop)
+    chain = StageChain("", low, high, between)
     return SizedStages(texts, ends, chain, run_stages(chain, warm))
 
 
