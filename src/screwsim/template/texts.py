@@ -95,8 +95,11 @@ def shafts(size: sizes.Size, viscosity: str = "") -> str:
     return filled("shafts", values)
 
 
-def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None) -> str:
-    """Return the entries of a flooded gas machine with an outlet temperature [K]; sizes as in configs/air."""
+def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None, share: str = "") -> str:
+    """Return the entries of a flooded gas machine with an outlet temperature [K]; sizes as in configs/air.
+
+    `share` is the entry on the friction that heats the oil, where that is not all.
+    """
     big = size.diameter / 0.240
     kept, conductance = UNBOUNDED_COOLER, ""
     if cooler is not None:
@@ -111,6 +114,7 @@ def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None) ->
         "leaves": f"{leaves - ZERO_CELSIUS:.0f} degC",
         "kept": kept,
         "conductance": conductance,
+        "share": share,
         "gap": sizes.um(sizes.GAP * size.clearance),
         "shaft": sizes.mm(sizes.SHAFT_DIAMETER * size.scale),
         "bearing": sizes.mm(0.147 * big),
