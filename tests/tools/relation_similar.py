@@ -32,7 +32,7 @@ def similar(case: Case) -> Iterator[Pair]:
     """A machine of other lengths, times, masses and temperatures with the same numbers without dimension is similar."""
     here, scene, random = case.result, case.scene, case.random
     own = "refrigerant_solubility", "thermal_clearances"
-    if any(name in scene.effects for name in own) or _has_sizes(scene) or case.value("machine.volume.law") == "table":
+    if any(name in scene.effects for name in own) or has_sizes(scene) or case.value("machine.volume.law") == "table":
         raise NotAsked("laws with sizes of their own")
     if scene.oil is not None and scene.oil.name:
         raise NotAsked("an oil with a temperature of its own")
@@ -47,18 +47,18 @@ def similar(case: Case) -> Iterator[Pair]:
         other = _in_units(scene, factors, patch)
         there = twin(other)
     about = there.performance.about
-    back = {name: 1.0 / _factor(about[name].units, factors) for name in there.performance}
+    back = {name: 1.0 / factor(about[name].units, factors) for name in there.performance}
     yield Pair(f"similar by {length:.3g} m, {mass:.3g} kg", here, scaled(there, back), slack=1e-6)
 
 
-def _has_sizes(scene: Scene) -> bool:
+def has_sizes(scene: Scene) -> bool:
     """Return whether a scene has fits to gaps of a size, or motors of classes, which are listed by power."""
     parameters = [each.parameters for each in scene.effects.values()]
     fitted = any(getattr(each, "friction_fit", None) is not None for each in parameters)
     return fitted or any(getattr(each, "efficiency_class", "stated") != "stated" for each in parameters)
 
 
-def _factor(unit: str, factors: Mapping[str, float]) -> float:
+def factor(unit: str, factors: Mapping[str, float]) -> float:
     """Return the factor of a quantity of an SI unit, where those of kg, m, s and K are given."""
     over, _, under = unit.partition("/")
     found = 1.0
@@ -79,13 +79,13 @@ def _in_units(scene: Scene, factors: Mapping[str, float], patch: pytest.MonkeyPa
     for path, leaf in leaves_of(scene).items():
         value = None if leaf.dimension is None else value_at(scene, path)
         if value and leaf.dimension is not None and not is_derived(value):
-            found[path] = value * _factor(leaf.dimension.si, factors)
+            found[path] = value * factor(leaf.dimension.si, factors)
     return with_values(scene, found)
 
 
 def _scale_transport(patch: pytest.MonkeyPatch, factors: Mapping[str, float]) -> None:
     """Make CoolProp's conductivity and viscosity of a gas those of the same gas in other units."""
-    pressure, conducts, viscous = (_factor(unit, factors) for unit in ("Pa", "W/(m K)", "Pa s"))
+    pressure, conducts, viscous = (factor(unit, factors) for unit in ("Pa", "W/(m K)", "Pa s"))
     of_both, of_one, hot = transport.transport, transport.viscosity, factors.get("K", 1.0)
 
     def both(fluid: Any, p: float, T: float) -> tuple[float, float, float]:
@@ -103,7 +103,7 @@ def hotter(case: Case) -> Iterator[Pair]:
     """An ideal gas of constant k at other temperatures is the same machine at a speed that goes with their root."""
     here, scene = case.result, case.scene
     own = {"refrigerant_solubility", "thermal_clearances", "economizer", "liquid_injection", "separator", "air_package"}
-    if scene.gas.model != "ideal" or own & scene.effects.keys() or _has_sizes(scene):
+    if scene.gas.model != "ideal" or own & scene.effects.keys() or has_sizes(scene):
         raise NotAsked("laws with temperatures of their own")
     if scene.gas.relative_humidity is not None or case.value("operation.suction.temperature") is None:
         raise NotAsked("lines by saturation")
@@ -115,7 +115,7 @@ def hotter(case: Case) -> Iterator[Pair]:
     about = here.performance.about
     with pytest.MonkeyPatch.context() as patch:
         there = twin(_in_units(constant, factors, patch))
-    back = {name: 1.0 / _factor(about[name].units, factors) for name in there.performance}
+    back = {name: 1.0 / factor(about[name].units, factors) for name in there.performance}
     yield Pair(f"{warmer:.3g} times as hot", here, scaled(there, back), slack=1e-6)
 
 

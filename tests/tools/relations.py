@@ -28,6 +28,7 @@ import relation_figures  # noqa: E402, F401  each adds its laws
 import relation_inputs  # noqa: E402, F401
 import relation_laws  # noqa: E402, F401
 import relation_similar  # noqa: E402, F401
+import relation_slopes  # noqa: E402, F401
 import relation_ways  # noqa: E402, F401
 from fuzz_courses import KINDS, course  # noqa: E402
 from judging import Stopped, limited  # noqa: E402
