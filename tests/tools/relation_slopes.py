@@ -21,7 +21,7 @@ from screwsim.study.uncertainty.slopes import numeric_paths
 E = math.e
 SIZE, MASS = {"kg": E**3, "m": E, "s": E}, {"kg": E, "m": 1.0, "s": 1.0}
 APART = 1e-3  # of the sum of what is added up
-UNSMOOTH = "peak_pressure", "injection_pressure"
+NOTHING = 1e-5  # of a figure: slopes that are rounding
 VISCOUS = "droplets", "wall_heat", "cylinder_heat"  # by CoolProp's conductivity, which no number of a scene scales
 
 
@@ -29,12 +29,12 @@ VISCOUS = "droplets", "wall_heat", "cylinder_heat"  # by CoolProp's conductivity
 def slopes_add(case: Case) -> Iterator[Pair]:
     """Derivatives by all numbers add up by dimensions."""
     result, scene = case.result, case.scene
-    if has_sizes(scene) or scene.oil is not None and scene.oil.name or set(VISCOUS) & scene.effects.keys():
+    if has_sizes(scene) or (scene.oil is not None and scene.oil.name) or set(VISCOUS) & scene.effects.keys():
         raise NotAsked("laws with sizes of their own")
     if {"refrigerant_solubility", "thermal_clearances"} & scene.effects.keys():
         raise NotAsked("laws with sizes of their own")
-    if case.value("machine.volume.law") == "table":
-        raise NotAsked("tables have sizes of their own")
+    if case.value("machine.volume.law") == "table" or case.value("machine.profile.family"):
+        raise NotAsked("tables and families of rotors have sizes of their own")
     values = {path: value for path, value in numeric_paths(scene)[0].items() if value}
     leaves, about = leaves_of(scene), result.performance.about
     values = {path: value for path, value in values.items() if leaves[path].dimension is not None}
@@ -55,6 +55,6 @@ def slopes_add(case: Case) -> Iterator[Pair]:
                 continue
             own = math.log(factor(about[name].units, group)) * value
             size = sum(map(abs, terms)) + abs(own)
-            off = abs(sum(terms) - own) / size if size > 1e-9 * abs(value) else 0.0
+            off = abs(sum(terms) - own) / size if size > NOTHING * abs(value) else 0.0
             words = f"{what}: {name} {value:.6g}, slopes add up to {sum(terms):.6g}, not {own:.6g}"
             yield Pair(words, result, result, broken=off / APART)
