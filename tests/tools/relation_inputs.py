@@ -15,6 +15,7 @@ from screwsim.scene import Scene, with_values
 
 OF_CYCLE = "gas_mass_flow", "indicated_power", "discharge_temperature", "peak_pressure", "trapped_mass"
 CLEARANCES = {"tip_leakage": "tip_gap", "interlobe_leakage": "interlobe_gap", "end_face_leakage": "end_face_gap"}
+OF_MIXTURE = "the temperature of its mixture"
 HEAVY = 1e6  # times as dense: such oil takes no room
 PUMPED = "oil_pump_power", "shaft_power", "shaft_torque", "specific_power"
 
@@ -56,7 +57,8 @@ def asked_otherwise(case: Case) -> Iterator[Pair]:
     """An input that follows from a figure, in place of the input that this figure follows from."""
     here, p, scene = case.result, case.result.performance, case.scene
     for what, values in _alternatives(scene, p):
-        yield Pair(what, here, twin(case.changed(values)), slack=1e-6)
+        slack = 3.0 * scene.numerics.accuracy if what == OF_MIXTURE else 1e-6  # oil errs much more than it warms
+        yield Pair(what, here, twin(case.changed(values)), slack=slack)
 
 
 def _alternatives(scene: Scene, p: Performance) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -88,7 +90,7 @@ def _alternatives(scene: Scene, p: Performance) -> Iterator[tuple[str, dict[str,
         and not _follows(scene)
     ):
         warm = f"{float(p.mixture_discharge_temperature)!r} K"
-        yield "the temperature of its mixture", {"oil_supply.ratio": None, "oil_supply.discharge_temperature": warm}
+        yield OF_MIXTURE, {"oil_supply.ratio": None, "oil_supply.discharge_temperature": warm}
     if "economizer" in scene.effects and "economizer_pressure" in p:
         kept = scene.effects["economizer"].parameters
         if kept.temperature is not None and kept.pressure is None:
@@ -132,8 +134,8 @@ def changed_intake(case: Case) -> Iterator[Pair]:
 def warm_gaps(case: Case) -> Iterator[Pair]:
     """Gaps that grow warm are gaps of the size that they have then."""
     here, p = case.result, case.result.performance
-    if "thermal_clearances" not in case.scene.effects:
-        raise NotAsked("none")
+    if "thermal_clearances" not in case.scene.effects or "oil_drag" in case.scene.effects:
+        raise NotAsked("none, or oil drags in them")
     gaps = {f"effects.{name}.gap": f"{float(p[figure])!r} m" for name, figure in CLEARANCES.items() if p.get(figure)}
     yield Pair("warm gaps stated", here, twin(case.changed(gaps, ["thermal_clearances"])))
 

@@ -14,6 +14,7 @@ from relating import Case, NotAsked, Pair, law
 from relation_similar import factor, has_sizes
 
 from screwsim.derivatives.solving import scene_derivatives
+from screwsim.figures.errors import error_scale, zeros_for_none
 from screwsim.inputs.faults import ImpossibleValue
 from screwsim.scene.fields import leaves_of
 from screwsim.study.uncertainty.slopes import numeric_paths
@@ -21,7 +22,7 @@ from screwsim.study.uncertainty.slopes import numeric_paths
 E = math.e
 SIZE, MASS = {"kg": E**3, "m": E, "s": E}, {"kg": E, "m": 1.0, "s": 1.0}
 APART = 1e-3  # of the sum of what is added up
-NOTHING = 1e-5  # of a figure: slopes that are rounding
+NOTHING = 1e-4  # of what a figure's error is relative to: slopes that are rounding
 VISCOUS = "droplets", "wall_heat", "cylinder_heat"  # by CoolProp's conductivity, which no number of a scene scales
 
 
@@ -33,8 +34,9 @@ def slopes_add(case: Case) -> Iterator[Pair]:
         raise NotAsked("laws with sizes of their own")
     if {"refrigerant_solubility", "thermal_clearances"} & scene.effects.keys():
         raise NotAsked("laws with sizes of their own")
-    if case.value("machine.volume.law") == "table" or case.value("machine.profile.family"):
-        raise NotAsked("tables and families of rotors have sizes of their own")
+    models = {getattr(each.parameters, "model", None) for each in scene.effects.values()}
+    if case.value("machine.volume.law") == "table" or models & {"oil_sealed", "nozzle_friction"}:
+        raise NotAsked("tables have sizes of their own, gaps CoolProp's viscosity of the gas")
     values = {path: value for path, value in numeric_paths(scene)[0].items() if value}
     leaves, about = leaves_of(scene), result.performance.about
     values = {path: value for path, value in values.items() if leaves[path].dimension is not None}
@@ -42,8 +44,8 @@ def slopes_add(case: Case) -> Iterator[Pair]:
         found = scene_derivatives(scene, values)
     except ImpossibleValue:
         raise NotAsked("a number at its bound") from None
-    if found.why:
-        raise NotAsked("not all derivatives")
+    if found.why or values.keys() - found.derivatives.keys():
+        raise NotAsked("not all derivatives are exact")
     groups = {"sizes": SIZE}
     if scene.gas.model == "ideal" and scene.gas.relative_humidity is None and "bearings" not in scene.effects:
         groups["masses"] = MASS
@@ -55,6 +57,7 @@ def slopes_add(case: Case) -> Iterator[Pair]:
                 continue
             own = math.log(factor(about[name].units, group)) * value
             size = sum(map(abs, terms)) + abs(own)
-            off = abs(sum(terms) - own) / size if size > NOTHING * abs(value) else 0.0
+            least = NOTHING * error_scale(name, about[name].scale, zeros_for_none(result.performance))
+            off = abs(sum(terms) - own) / size if size > least else 0.0
             words = f"{what}: {name} {value:.6g}, slopes add up to {sum(terms):.6g}, not {own:.6g}"
             yield Pair(words, result, result, broken=off / APART)

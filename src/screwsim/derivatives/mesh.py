@@ -33,7 +33,8 @@ FIRST_RING = 0.3  # first slices on both sides of a turning flow, in widths of i
 AROUND_PEAK = 2e-4  # rad: half the width of the slice around the highest pressure
 RING_GROWTH = 2.5  # ... and ratio of each slice to the one before
 SHARE_BEFORE = 1e-4  # widths of a layer by which a slice ends before the flow turns, to keep its last node on that side
-NEAR, BEHIND = 0.25, 2.0  # of that: a node nearer to the turning moves, by an edge so far behind it
+NEAR = 0.25  # of that: a node of the slice behind may be no nearer to the turning; otherwise that slice ends ...
+BEHIND = 2.0  # ... so much of that behind it
 DROP_BEFORE = 1e-9  # of the pressure: least difference at that node, ten times the shortest step of differences
 CORNER_LAYER = 1e-2  # rad: layer assumed for a corner or jump of a rate; the slice before it ends 1e-6 rad from it
 
