@@ -2,6 +2,8 @@
 
 import csv
 import datetime
+import re
+import zipfile
 
 import openpyxl
 import pytest
@@ -43,6 +45,54 @@ def test_a_cell_shown_in_percent_has_its_number_in_percent(tmp_path):
     assert read_sheet(path).rows[0].cells == ("81.5", "5 %", "81.5")
 
 
+def test_a_sign_behind_a_number_that_a_format_only_writes_is_no_part_of_it(tmp_path):
+    book = openpyxl.Workbook()
+    book.active.append(["eta [%]", "load"])
+    book.active.append([81.5, 90])
+    book.active["A2"].number_format, book.active["B2"].number_format = '0.0" %"', r"0\%"
+    book.save(tmp_path / "x.xlsx")
+    assert read_sheet(tmp_path / "x.xlsx").rows[0].cells == ("81.5", "90")
+
+
+def test_a_plain_number_that_is_shown_in_percent_is_told_with_its_line(tmp_path):
+    path = book_of(tmp_path / "x.xlsx", ["load", "efficiency"], [0.5, 0.9], percent=("B2",))
+    with pytest.raises(BadSheet, match=r"line 2: has '90 %', and a plain number is needed"):
+        read_sheet(path).numbers("load", "efficiency", words="")
+
+
+def changed(path, part, pattern, by):
+    """Replace what matches a pattern in a part of a workbook; return its path."""
+    with zipfile.ZipFile(path) as book:
+        parts = {name: book.read(name).decode() for name in book.namelist()}
+    parts[part], count = re.subn(pattern, by, parts[part], flags=re.DOTALL)
+    assert count
+    with zipfile.ZipFile(path, "w") as book:
+        for name, text in parts.items():
+            book.writestr(name, text)
+    return path
+
+
+SHEET = "xl/worksheets/sheet1.xml"
+
+
+def test_all_cells_are_read_whatever_size_a_program_states(tmp_path):
+    path = book_of(tmp_path / "x.xlsx", ["x", "y"], [1, 2], [3, 4])
+    changed(path, SHEET, r'<dimension ref="[^"]*"', '<dimension ref="A1"')
+    assert [row.cells for row in read_sheet(path).rows] == [("1", "2"), ("3", "4")]
+
+
+def test_styles_that_a_program_leaves_out_are_nothing_to_warn_of(tmp_path, recwarn):
+    path = changed(book_of(tmp_path / "x.xlsx", ["x"], [1]), "xl/styles.xml", "<cellStyles.*</cellStyles>", "")
+    assert read_sheet(path).rows[0].cells == ("1",)
+    assert not recwarn.list
+
+
+def test_a_formula_that_gave_a_blank_text_is_an_empty_cell(tmp_path):
+    path = book_of(tmp_path / "x.xlsx", ["x", "y"], [1, '=IF(A2=2,A2,"")'], ["=A5", "=A5"])
+    changed(path, SHEET, r'<c r="(A3|B2|B3)"[^>]*>', r'<c r="\1" t="str">')
+    assert [row.cells for row in read_sheet(path).rows] == [("1", "")]
+
+
 def test_only_the_first_visible_worksheet_is_read(tmp_path):
     book = openpyxl.Workbook()
     book.active.append(["hidden"])
@@ -63,6 +113,7 @@ def test_other_cells_are_texts(tmp_path):
     ("rows", "told"),
     [
         ([["x", "y"], [1, "=A2*2"]], "line 2: has a formula without a value in B2"),
+        ([["x", "y"], [1, 2], ["=A2", "=B2"]], "line 3: has a formula without a value in A3"),
         ([["x", "y"], [1, "#DIV/0!"]], "line 2: has the error #DIV/0! in B2"),
         ([["x"], [1, 2]], "line 2: has 2 cells, but the first line has 1 (leave the rest out"),
         ([["x", "x"], [1, 2]], "line 1: has the column 'x' twice"),
@@ -114,6 +165,22 @@ def test_a_written_workbook_holds_the_numbers_of_the_csv_file(tmp_path):
     assert kinds == [["n", "s", "n", "s"], ["n", "s", "n", "s"]]  # =1+1 is no formula, the empty cell no text
     assert sheet["C2"].value == 12.3456789
     assert sheet.freeze_panes == "A2"
+
+
+def test_a_column_of_words_holds_texts_alone(tmp_path):
+    rows = [[1_0, "1_0", True, ("a", 1)], [2.5, "2", False, None]]
+    write_table(tmp_path / "x.xlsx", ["number", "name", "good", "pair"], rows)
+    assert [row.cells for row in read_sheet(tmp_path / "x.xlsx").rows] == [
+        ("10", "1_0", "True", "('a', 1)"),
+        ("2.5", "2", "False", ""),
+    ]
+
+
+def test_more_rows_than_a_workbook_holds_are_a_table_of_csv(tmp_path, monkeypatch):
+    monkeypatch.setattr("screwsim.results.tables.MOST_LINES", 2)
+    write_table(tmp_path / "x.xlsx", ["x"], [[1]])
+    with pytest.raises(UsageError, match=r"a workbook holds fewer rows than 2 \(write .*y\.csv"):
+        write_table(tmp_path / "y.xlsx", ["x"], [[1], [2]])
 
 
 def test_a_workbook_of_something_else_is_not_replaced(tmp_path):

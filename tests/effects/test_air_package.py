@@ -250,6 +250,16 @@ def test_a_coolant_states_one_of_flow_and_rise(stated, what):
         screwsim.load(SCENE, [f"{PACKAGE}.coolant={stated}"])
 
 
+@pytest.mark.parametrize(
+    ("stated", "least"), [("flow: 0.8 m^3/h", True), ("flow: 6 m^3/h", False), ("flow: 1.6 m^3/h", False)]
+)
+def test_a_coolant_that_would_leave_hotter_than_the_separator_is_warned_of(stated, least):
+    """Inlet 20 °C, separator 80 °C: it can become warmer by 60 K."""
+    found = solved(PLAIN, f"{PACKAGE}.coolant={{medium: water, {stated}}}")
+    told = [each for each in found.warnings if "would leave hotter than the separator is, 60 K above" in each]
+    assert bool(told) == (found.performance.coolant_temperature_rise > 60.0) == least
+
+
 def test_no_heat_has_no_flow_and_says_why():
     assert Coolant(temperature_rise=5.0).figures(-1.0, 1200.0) == dict.fromkeys((FLOW, RISE), NO_HEAT)
     assert Coolant(temperature_rise=5.0).figures("unknown", 1200.0) == dict.fromkeys((FLOW, RISE), "unknown")

@@ -201,6 +201,15 @@ def test_where_the_voltage_rises_on_above_the_rated_speed_the_field_stays():
     assert "the motor's current is 1.38 times its rated one" in warning
 
 
+@pytest.mark.parametrize(("speed", "share"), [(0.5, 1.0), (1.0, 1.0), (1.5, 1.5), (1.74, 1.74), (2.5, 1.74)])
+def test_a_motor_carries_the_power_that_takes_its_rated_current(speed, share):
+    drive = replace(DRIVE, full_field_speed=1.74 * SPEED)
+    assert inverter.reach(drive, speed * SPEED) == pytest.approx(share, rel=1e-12)
+    assert inverter.reach(DRIVE, speed * SPEED) == 1.0
+    if speed >= 1.0:
+        assert inverter.turning(drive, share * RATED, RATED, speed * SPEED).current == pytest.approx(1.0, rel=1e-12)
+
+
 @pytest.mark.parametrize(("speed", "told"), [(1.0, False), (1.39, False), (1.41, True)])
 def test_a_motor_of_the_least_breakdown_torque_would_stall_where_its_field_is_weak(speed, told):
     """1.15 times the rated power: its torque is 1.15/f of the rated one, and 1.6/f² is less from f = 1.6/1.15 on."""

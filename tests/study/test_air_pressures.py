@@ -176,6 +176,20 @@ def test_a_sweep_of_one_speed_is_variable_in_all_tables():
     assert "variable speed" in of.verdict[0]
 
 
+def test_a_motor_whose_field_stays_above_its_rated_speed_carries_more_there():
+    """Windings for 230 V on 400 V: up to 87 Hz the power at the rated current rises with the speed."""
+    inverter = "{rated_speed: 2000 rpm, loss: 3 kW, full_field_speed: 3480 rpm}"
+    values = "{rated_power: 75 kW, efficiency: null, efficiency_file: null, drive_efficiency: 1, efficiency_class: IE3"
+    speeds = "sweep.operation.speed=[2950 rpm, 950 rpm]"
+    of = sheet("variable_speed_7", None, f"effects.motor={values}, inverter: {inverter}}}", speeds)
+    full = of.document["points"][0]
+    assert full["speed"] / RPM == pytest.approx(2950.0) and full["shaft_power"] > 1.15 * 75e3
+    assert not of.document["bounded_by_motor"]
+    words = dict(of.lines)
+    assert "above its rating" not in words["motor"]
+    assert "shaft power < 110.6 kW (effects.motor.inverter.full_field_speed)" in words["limits"]  # 75 kW × 2950/2000
+
+
 def test_gauge_pressures_and_us_units():
     ambient = "operation.ambient_pressure=1 bar"
     of = sheet("variable_speed_7", "100, 125 psi(g)", ambient, units="us")

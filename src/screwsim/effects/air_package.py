@@ -186,8 +186,12 @@ class Parameters(LosesPressure):
         """
         if self.aftercooler is None:
             return None
-        coolant = self.aftercooler.coolant_temperature
-        return min(T, (inlet if coolant is None else coolant) + self.aftercooler.approach)
+        return min(T, self.coolant_enters(inlet) + self.aftercooler.approach)
+
+    def coolant_enters(self, inlet: float) -> float:
+        """Return the temperature [K] of what cools the aftercooler: stated, or that of the package's `inlet`."""
+        stated = None if self.aftercooler is None else self.aftercooler.coolant_temperature
+        return inlet if stated is None else stated
 
     def rated(self, *names: str) -> float:
         """Return the pressure loss [Pa] of the named parts at rated flow."""
@@ -251,6 +255,15 @@ def _cooled_by(parameters: Parameters, known, heats: Given) -> Given:
     return parameters.coolant.figures(heat, known.suction_density * c_p)
 
 
+def _judge(parameters: Parameters, known) -> tuple[str, tuple[str, ...]]:
+    """Return no verdict, and a warning of a coolant that would leave warmer than what it cools."""
+    found = known.found
+    rise, hot, inlet = (found.get(name) for name in (cooling.RISE, "separator_temperature", "suction_temperature"))
+    if parameters.coolant is None or rise is None or hot is None:
+        return "", ()
+    return "", parameters.coolant.told(rise, hot - parameters.coolant_enters(inlet))
+
+
 def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
     """Return outlet temperature [K], duty of the aftercooler and heat of the package [W] (M344, M348, M362).
 
@@ -277,7 +290,9 @@ def _heats(parameters: Parameters, known, outlet: float, power: float) -> Given:
 
 def build(parameters: Parameters, machine) -> list[Reading | SuctionChange]:
     named = parameters.state == UNLOADED or any(getattr(parameters, name) is not None for name in BEFORE)
-    reading = Reading(names_of(FIGURES), lambda known: read(parameters, known))
+    reading = Reading(
+        names_of(FIGURES), lambda known: read(parameters, known), judge=lambda known: _judge(parameters, known)
+    )
     return [reading, *([SuctionChange(package=True)] if named else [])]
 
 

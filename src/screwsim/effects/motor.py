@@ -115,6 +115,13 @@ class Parameters:
         """Whether the electrical power includes losses of an inverter."""
         return self.inverter is not None or self.drive_efficiency < 1.0
 
+    def carried(self, omega: float) -> float:
+        """Return the power [W] that it carries for long at a speed [rad/s] of the male rotor.
+
+        That is the rated one; above the rated speed of an inverter whose voltage rises on there, as much more.
+        """
+        return self.rated_power if self.inverter is None else self.rated_power * inverters.reach(self.inverter, omega)
+
 
 Loss = Callable[[float], float]
 

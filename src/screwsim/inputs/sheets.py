@@ -72,10 +72,17 @@ class Sheet:
         return [(row.line, tuple(row.cells[place] for place in places)) for row in self.rows]
 
     def numbers(self, *names: str, words: str) -> list[tuple[float, ...]]:
-        """Return the numbers in the named columns of each row; raise BadSheet, with `words` where one is none."""
+        """Return the numbers in the named columns of each row; raise BadSheet, with `words` where one is no number."""
+        rows = self.columns(*names)
         try:
-            return [tuple(map(float, cells)) for _, cells in self.columns(*names)]
+            return [tuple(map(float, cells)) for _, cells in rows]
         except ValueError:
+            for line, cells in rows:
+                if shown := [cell for cell in cells if cell.endswith("%")]:
+                    what = f"has {shown[0]!r}, and a plain number is needed"
+                    raise BadSheet(
+                        f"{what} (write it, or in a workbook have its cell shown as a number)", line
+                    ) from None
             raise BadSheet(words) from None
 
     def records(self) -> list[dict[str, str]]:

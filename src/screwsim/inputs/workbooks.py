@@ -1,11 +1,14 @@
 """Reads the first visible worksheet of a workbook (.xlsx) as rows of texts, such as a CSV file has them.
 
 Numbers are read as they are stored, with all their digits. A cell that is shown in percent has its number in percent,
-with the sign behind it unless the head of its column states that unit.
+with the sign behind it unless the head of its column states that unit. A sign that a format only writes behind the
+stored number, in quotes or behind a backslash, is no part of it.
 """
 
 import io
 import os
+import re
+import warnings
 import zipfile
 from collections.abc import Iterator
 from typing import Any
@@ -15,9 +18,12 @@ from screwsim.inputs.textfiles import MOST_TABLE, Unreadable, read_bytes
 WORKBOOK = ".xlsx"
 OTHER_WORKBOOKS = (".xls", ".xlsm", ".xlsb", ".ods", ".numbers")  # of spreadsheet programs, and not read
 NEEDS = "a workbook needs openpyxl: pip install 'screwsim[excel]', or save the table as CSV"
+NOT_ONE = "it is not a workbook ({})"
 MOST_UNPACKED = 250_000_000  # [byte] of a workbook, which is a compressed file
 MOST_EMPTY = 10_000  # empty rows in succession, after which no more is read
 PERCENT = "%"
+WORKSHEETS, FORMULA = "xl/worksheets/", re.compile(rb"<(\w+:)?f[\s/>]")  # where formulas are in the file, and how
+LITERAL = re.compile(r'"[^"]*"|\\.|_.')  # of a format: what it writes as it is, or leaves room for
 
 
 class BadCell(Exception):
@@ -40,25 +46,30 @@ def rows_of_workbook(path: str | os.PathLike[str], remark: str) -> list[tuple[in
     these is filled.
     """
     content = read_bytes(path, MOST_TABLE)
-    wanted = 0
-    units: list[bool] = []
-    found = []
-    for number, row in _filled_rows(content, values=True):
-        if not wanted and not str(row[0].value).startswith(remark):
-            wanted = _last_filled(row)
-            units = [_states_percent(cell.value) for cell in row[:wanted]]
-        last = max(wanted, _last_filled(row))
-        cells = [_text(cell, number, i < wanted and units[i]) for i, cell in enumerate(row[:last])]
-        found.append((number, cells + [""] * (last - len(cells))))
-    _check_formulas(content, found)
-    return found
+    with warnings.catch_warnings(action="ignore"):  # of styles and other parts that are not read
+        if _has_formulas(content):
+            _check_formulas(content)
+        return list(_texts(content, remark))
 
 
 Cells = tuple[Any, ...]  # openpyxl's
 
 
-def _filled_rows(content: bytes, values: bool) -> list[tuple[int, Cells]]:
-    """Return (number, cells) of each row of the worksheet that is not empty.
+def _texts(content: bytes, remark: str) -> Iterator[tuple[int, list[str]]]:
+    wanted = 0
+    units: list[bool] = []
+    for number, row in _rows(content, values=True):
+        last = _last_filled(row)
+        if not last:
+            continue
+        if not wanted and not str(row[0].value).startswith(remark):
+            wanted, units = last, [_states_percent(cell.value) for cell in row[:last]]
+        cells = [_text(cell, number, i < wanted and units[i]) for i, cell in enumerate(row[: max(wanted, last)])]
+        yield number, cells + [""] * (wanted - len(cells))
+
+
+def _rows(content: bytes, values: bool) -> Iterator[tuple[int, Cells]]:
+    """Yield (number, cells) of each row of the worksheet, up to the first of many that are empty.
 
     With `values` cells have those of their formulas, else the formulas.
     """
@@ -66,28 +77,33 @@ def _filled_rows(content: bytes, values: bool) -> list[tuple[int, Cells]]:
         import openpyxl
     except ImportError:
         raise Unreadable(NEEDS) from None
+    empty = 0
+    try:
+        book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=values)
+        for sheet in [sheet for sheet in book.worksheets if sheet.sheet_state == "visible"][:1]:
+            sheet.reset_dimensions()  # as a file states them: some programs write A1 for any table
+            for number, row in enumerate(sheet.iter_rows(), 1):
+                empty = 0 if _last_filled(row) else empty + 1
+                if empty > MOST_EMPTY:
+                    return
+                yield number, row
+    except Exception as error:  # noqa: BLE001 - openpyxl raises errors of many kinds at files that are none of its own
+        raise Unreadable(NOT_ONE.format(type(error).__name__)) from None
+
+
+def _has_formulas(content: bytes) -> bool:
+    """Tell whether any worksheet has a formula; raise Unreadable where a file is none, or too large."""
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as packed:
-            unpacked = sum(part.file_size for part in packed.infolist())
-        if unpacked > MOST_UNPACKED:
-            raise Unreadable(f"it holds more than {MOST_UNPACKED // 1_000_000} MB when unpacked")
-        book = openpyxl.load_workbook(io.BytesIO(content), read_only=True, data_only=values)
-        visible = [sheet for sheet in book.worksheets if sheet.sheet_state == "visible"]
-        return list(_filled(visible[0])) if visible else []
+            parts = packed.infolist()
+            if sum(part.file_size for part in parts) > MOST_UNPACKED:
+                raise Unreadable(f"it holds more than {MOST_UNPACKED // 1_000_000} MB when unpacked")
+            sheets = [part for part in parts if part.filename.startswith(WORKSHEETS)]
+            return any(FORMULA.search(packed.read(part)) for part in sheets)
     except Unreadable:
         raise
-    except Exception as error:  # noqa: BLE001 - openpyxl raises errors of many kinds at files that are none of its own
-        raise Unreadable(f"it is not a workbook ({type(error).__name__})") from None
-
-
-def _filled(sheet: Any) -> Iterator[tuple[int, Cells]]:
-    empty = 0
-    for number, row in enumerate(sheet.iter_rows(), 1):
-        empty = 0 if _last_filled(row) else empty + 1
-        if empty > MOST_EMPTY:
-            return
-        if not empty:
-            yield number, row
+    except Exception as error:  # noqa: BLE001 - zipfile raises errors of many kinds, too
+        raise Unreadable(NOT_ONE.format(type(error).__name__)) from None
 
 
 def _last_filled(row: Cells) -> int:
@@ -110,19 +126,16 @@ def _text(cell: Any, number: int, in_percent: bool) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, (int, float)):
-        if PERCENT in (cell.number_format or ""):
+        if PERCENT in LITERAL.sub("", cell.number_format or ""):
             return f"{100.0 * value:.15g}" + ("" if in_percent else f" {PERCENT}")
         return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
     return " ".join(str(value).split())
 
 
-def _check_formulas(content: bytes, rows: list[tuple[int, list[str]]]) -> None:
-    """Raise BadCell where an empty cell has a formula, whose value was never computed."""
-    empty = {(number, i) for number, cells in rows for i, cell in enumerate(cells) if not cell}
-    if not empty:
-        return
-    for number, row in _filled_rows(content, values=False):
-        for i, cell in enumerate(row):
-            if cell.data_type == "f" and (number, i) in empty:
-                what = f"has a formula without a value in {cell.column_letter}{number}"
+def _check_formulas(content: bytes) -> None:
+    """Raise BadCell where a formula has no value, as it was never computed; one of a blank text has."""
+    for (number, values), (_, formulas) in zip(_rows(content, values=True), _rows(content, values=False), strict=False):
+        for value, formula in zip(values, formulas, strict=False):
+            if formula.data_type == "f" and value.value is None and value.data_type != "str":
+                what = f"has a formula without a value in {formula.column_letter}{number}"
                 raise BadCell(f"{what} (open the workbook in a spreadsheet program, and save it)", number)

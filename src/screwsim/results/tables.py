@@ -13,6 +13,7 @@ from screwsim.version import version
 TABLES = (".csv", WORKBOOK)
 NARROWEST, WIDEST = 8, 28  # characters, of the columns of a workbook
 LINE_HEIGHT = 15.0  # points
+MOST_LINES = 1_048_576  # of a worksheet
 
 
 def check_workbook(path: Path) -> None:
@@ -27,13 +28,16 @@ def check_workbook(path: Path) -> None:
 def write_table(path: Path, heads: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
     """Write a table atomically, and return its path; raise UsageError as `replacing` does, or without openpyxl.
 
-    In a workbook a cell that reads as a number is one if all of its column are, or are empty.
+    In a workbook a cell that reads as a number is one if all of its column are, or are empty; else all are texts.
     """
     if not is_workbook(path):
         return write_csv(path, heads, rows)
     check_workbook(path)
+    cells = [list(row) for row in rows]
+    if len(cells) >= MOST_LINES:
+        raise UsageError(f"{path}: a workbook holds fewer rows than {len(cells)} (write {path.with_suffix(TABLES[0])})")
     with replacing(path) as temporary:
-        _write_workbook(temporary, list(heads), [list(row) for row in rows])
+        _write_workbook(temporary, list(heads), cells)
     return str(path)
 
 
@@ -48,7 +52,7 @@ def _write_workbook(path: Path, heads: Sequence[str], rows: Sequence[Sequence[An
     assert sheet is not None  # of a new workbook
     for i, (head, cells) in enumerate(zip(heads, _columns(rows, len(heads)), strict=True), 1):
         numbers = _as_numbers(cells)
-        for row, value in enumerate((head, *(cells if numbers is None else numbers)), 1):
+        for row, value in enumerate((head, *(_as_texts(cells) if numbers is None else numbers)), 1):
             cell = sheet.cell(row, i, value)
             if isinstance(value, str):
                 cell.data_type = "s"  # never a formula
@@ -74,9 +78,16 @@ def _as_numbers(cells: Sequence[Any]) -> list[float | None] | None:
     for cell in cells:
         number = None
         if cell not in ("", None):
-            with contextlib.suppress(ValueError):
-                number = float(cell)
+            text = str(cell)
+            if "_" not in text:  # Python reads 1_0 as 10
+                with contextlib.suppress(ValueError):
+                    number = float(text)
             if number is None or number - number != 0.0:  # no number, or none that a workbook can hold
                 return None
         found.append(number)
     return found
+
+
+def _as_texts(cells: Sequence[Any]) -> list[str | None]:
+    """Return the texts of a column as a CSV file has them, None for an empty cell."""
+    return [None if cell in ("", None) else str(cell) for cell in cells]

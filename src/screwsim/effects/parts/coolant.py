@@ -47,3 +47,13 @@ class Coolant:
             return {FLOW: heat / (per_kelvin * self.temperature_rise), RISE: self.temperature_rise}
         assert self.flow is not None
         return {FLOW: self.flow, RISE: heat / (per_kelvin * self.flow)}
+
+    def told(self, rise: float, most: float) -> tuple[str, ...]:
+        """Return a warning of a rise [K] beyond `most`, at which the coolant is as hot as the separator; else none."""
+        if rise <= most:
+            return ()
+        what = (
+            f"effects.air_package.coolant becomes warmer by {rise:.4g} K, and would leave hotter than the separator is"
+        )
+        remedy = "a larger flow" if self.flow is not None else "a smaller temperature_rise"
+        return (f"{what}, {most:.3g} K above what enters (choose {remedy})",)

@@ -106,6 +106,15 @@ def turning(inverter: Inverter, power: float, rated: float, omega: float) -> Tur
     return Turning(speed, abs(power) / rated / speed, full / inverter.rated_speed)
 
 
+def reach(inverter: Inverter, omega: float) -> float:
+    """Return the power at the rated current over the rated one, at a rotor speed [rad/s] from the rated one on; else 1.
+
+    It rises with the speed as long as the field stays.
+    """
+    at = turning(inverter, 0.0, 1.0, omega)
+    return max(min(at.speed, at.full_field), 1.0)
+
+
 def loss_of(inverter: Inverter) -> tuple[float, float, float, float]:
     """Return the terms of an inverter's loss [W]: constant, by current, its square, and current × frequency (M431)."""
     if inverter.points_file is not None:

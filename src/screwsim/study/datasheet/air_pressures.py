@@ -133,9 +133,9 @@ def pressures_tables(
     lowest = [each.lowest for each in pressures if each.lowest is not None]
     full = [(each.pressure, each.full) for each in pressures]
     notes = []
-    if any(each.bounded for each in pressures):
-        rated = units.quantity("W", motor_of(scene).rated_power)
-        notes.append(f"the speed of full flow is at most the one that loads the motor with its {rated}")
+    if bounded := [each.full for each in pressures if each.bounded]:
+        carried = units.quantity("W", motor_of(scene).carried(bounded[0].rotor_speed))
+        notes.append(f"the speed of full flow is at most the one that loads the motor with its {carried}")
     if lowest:
         notes.append(f"lowest flow at {lowest[0].rotor_speed / RPM:.0f} rpm")
     table = _table("Full flow over the outlet pressure", scene, full, limits, units, (*notes, AS_STATED))

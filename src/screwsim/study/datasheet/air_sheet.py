@@ -11,8 +11,9 @@ from screwsim.inputs.suggestions import counted
 from screwsim.outputs import Result
 from screwsim.outputs.customary import MINUTE, RPM, with_printed_units
 from screwsim.outputs.us_units import CFM, PSI
-from screwsim.scene import Scene
+from screwsim.scene import Scene, with_values, without_sweep
 from screwsim.scene.lines import lines
+from screwsim.scene.operation import SPEED
 from screwsim.study.datasheet.air_points import (
     EFFICIENCY,
     KW,
@@ -57,7 +58,9 @@ DISCLAIMER = disclaimer("ISO 1217")
 def air_sheet(scene: Scene, rated: Rating, demands: Sequence[Demand] = ()) -> Sheet:
     """Return the sheet of a rating, with the energy of demands."""
     shares = year(rated, demands) if demands else ()
-    limits = with_limits_of(scene, [room.bound for room in rated.rooms])
+    limits = with_limits_of(
+        with_values(without_sweep(scene), {SPEED: rated.full.speed}), [room.bound for room in rated.rooms]
+    )
     every = [*rated.points, *([] if rated.unloaded is None else [rated.unloaded])]
     others = list(named(rated.pressures, lines(scene).p_s, rated.units))
     return Sheet(
@@ -127,7 +130,7 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
     yield "inlet", f"{units.quantity('Pa', at.p_s)}, {units.degrees(at.T_s, '.1f')}, {scene.gas.name}{humid}"
     yield discharge_line(at.p_d, at.p_s, units)
     found = full.result.performance if full.ok else {}
-    load = load_in_words(found["shaft_power"] / motor.rated_power, "at full flow") if found else ""
+    load = load_in_words(motor, found["shaft_power"], full.rotor_speed, "at full flow") if found else ""
     inverter = " with its inverter" if motor.inverts else ""
     eta = f", efficiency{inverter} {_percent(found['motor_efficiency'], 1)}" if found else ""
     yield "motor", f"{units.quantity('W', motor.rated_power)} rated{load}{eta}"

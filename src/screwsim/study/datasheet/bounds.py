@@ -15,6 +15,7 @@ from screwsim.study.stages.chain import StageChain
 
 MOTOR = "motor"
 RATED = f"effects.{MOTOR}.rated_power"
+FIELD = f"effects.{MOTOR}.inverter.full_field_speed"  # by which it carries more above its rated speed
 Limit = Bound | Assumed
 
 
@@ -55,7 +56,7 @@ def limit_text(figure: str, value: float, units: Units) -> str:
 
 
 def limits_of(subject: Scene | StageChain, texts: Sequence[str]) -> dict[Limit, str]:
-    """Return the limits stated in texts, the rated power of each motor of a scene or of two stages, and where each is.
+    """Return the limits stated in texts, what each motor of a scene or of two stages carries, and where each is.
 
     For one machine those that are assumed follow. Raises UsageError for a text that states none.
     """
@@ -73,7 +74,9 @@ def with_limits_of(subject: Scene | StageChain, stated: Sequence[Bound]) -> dict
     for power, scene, source in powers:
         motor = motor_of(scene)
         if motor is not None and not any(bound.figure == power for bound in found):
-            found[Bound(power, "<", float(motor.rated_power))] = source
+            carried = float(motor.carried(scene.operation.speed))
+            by_field = carried > motor.rated_power
+            found[Bound(power, "<", carried)] = source.replace(RATED, FIELD) if by_field else source
     if isinstance(subject, Scene):
         found |= dict.fromkeys(assumed_limits(subject, stated), SOURCE)
     return found

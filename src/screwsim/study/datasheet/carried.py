@@ -28,22 +28,27 @@ def carried_point(scene: Scene, fast: Point, slow: Point | None) -> Point | None
     the fast one's. None where the motor carries the fast one, or not even the slow one, where one of them did not
     close, and where no such speed is found or its point does not close.
     """
-    rated = float(motor_of(scene).rated_power)
-    if not fast.ok or shaft_power(fast) <= rated:
+    if not fast.ok or _load(scene, fast) <= 1.0:
         return None
     if slow is None:
         (slow,) = points_at(scene, (SLOWEST * fast.speed,), Progress())
-    if not slow.ok or shaft_power(slow) >= rated:
+    if not slow.ok or _load(scene, slow) >= 1.0:
         return None
-    speed = speed_in(speed_search(scene, rated, (slow.speed, fast.speed)))
+    carried = motor_of(scene).carried(fast.rotor_speed)
+    speed = speed_in(speed_search(scene, carried, (slow.speed, fast.speed)))
     if speed is None:
         return None
     for lower in range(STEPS):  # the search and the point agree to the accuracy asked for
         at = max(RPM * (math.floor(speed / RPM) - lower), slow.speed)
         (point,) = points_at(scene, (at,), Progress())
-        if point.ok and shaft_power(point) <= rated:
+        if point.ok and _load(scene, point) <= 1.0:
             return point
     return None
+
+
+def _load(scene: Scene, point: Point) -> float:
+    """Return the shaft power of a point that closed, over what the motor carries at its speed."""
+    return shaft_power(point) / motor_of(scene).carried(point.rotor_speed)
 
 
 def speed_search(scene: Scene, power: float, ends: tuple[float, float]) -> GoalSeekAnswer:

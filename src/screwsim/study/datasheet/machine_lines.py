@@ -23,17 +23,23 @@ def machine_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) 
         yield "machine", f"{units.quantity('m3 s-1', found['displacement_flow'])} swept at {speed}"
 
 
-def load_in_words(share: float, where: str) -> str:
-    """Return the load of a motor, a share of its rated power, behind that power; `where` says at which point."""
-    beyond = beyond_rating(share)
+def load_in_words(motor: Any, power: float, omega: float, where: str) -> str:
+    """Return the load of a motor by its power [W] and the rotors' speed [rad/s]; `where` says at which point."""
+    share, beyond = abs(power) / motor.rated_power, beyond_rating(abs(power) / motor.carried(omega))
     return f", {100.0 * share:.0f} % of it {where}{f', {beyond}' if beyond else ''}"
+
+
+def load_at_point(scene: Scene, found: Mapping[str, Any]) -> str:
+    """Return the load of a scene's motor at its own point, behind its rating."""
+    speed = rotor_speed(found, scene.operation.speed)
+    return load_in_words(motor_of(scene), found["shaft_power"], speed, "at the point")
 
 
 def power_lines(scene: Scene, found: Mapping[str, Any], units: Units, gives: bool = False) -> Lines:
     """Yield the rating of the motor or generator, and its load at the scene's point."""
     motor = motor_of(scene)
     if motor is not None:
-        share = load_in_words(abs(found["shaft_power"]) / motor.rated_power, "at the point") if found else ""
+        share = load_at_point(scene, found) if found else ""
         yield "generator" if gives else "motor", f"{units.quantity('W', motor.rated_power)} rated at the shaft{share}"
 
 

@@ -268,13 +268,12 @@ def between_line(chain: StageChain, found: Result, units: Units) -> Lines:
 
 def motor_lines(chain: StageChain, found: ChainResult, units: Units) -> Lines:
     """Yield the rating of each motor, and its load at the own point."""
-    loads = [_share_of_motor(*each) for each in zip(found.scenes, found.stages, strict=False)]
-    loads = ["" if share is None else machine_lines.load_in_words(share, "at the point") for share in loads]
+    solved = [(scene, each.performance) for scene, each in zip(found.scenes, found.stages, strict=False)]
     parts = []
     for number, (name, scene) in enumerate(chain.by_stage.items()):
         motor = motor_of(scene)
         if motor is not None:
-            load = loads[number] if number < len(loads) else ""
+            load = machine_lines.load_at_point(*solved[number]) if number < len(solved) else ""
             parts.append(f"{name} stage {units.quantity('W', motor.rated_power)} rated at the shaft{load}")
     if parts:
         yield "motors", "; ".join(parts)
