@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pytest
 import simulated_device
-from folders import CONFIGS, ROOT
+from folders import CONFIGS, POINT, ROOT
 
 from screwsim.batch import driver, on_device, simulate_courses, tasks
 from screwsim.codegen import machine
@@ -20,7 +20,6 @@ from screwsim.model.side_by_side import TURN
 from screwsim.scene import load
 from screwsim.simulate import simulate
 
-POINT = CONFIGS / "paper" / "point.yaml"
 REAL = ROOT / "tests" / "plain" / "r134a.yaml"
 EVERYTHING = CONFIGS / "everything.yaml"
 WITHIN = 1e-3  # of their errors figures on a device differ from those of the processor

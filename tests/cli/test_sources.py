@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from folders import CONFIGS, ROOT
+from folders import CONFIGS, POINT, ROOT
 from ruamel.yaml import YAML
 
 from screwsim.cli import exit_code
@@ -11,7 +11,6 @@ from screwsim.effects import catalogue
 from screwsim.explain.sources import TITLE, source_of, sources
 from screwsim.scene import load
 
-POINT = CONFIGS / "paper" / "point.yaml"
 YEAR = re.compile(r"\b(?:19|20)\d\d\b")
 
 

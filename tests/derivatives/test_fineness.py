@@ -1,8 +1,7 @@
 """Where flows turn round is kept from round to round; quick derivatives are near exact ones and cost less."""
 
-from pathlib import Path
-
 import pytest
+from folders import POINT
 
 import screwsim
 from screwsim.cycle.guess import lease_for
@@ -12,7 +11,6 @@ from screwsim.derivatives.mesh import Crossing
 from screwsim.solve.circuit import solve_with_surroundings, steady_state
 from screwsim.study.uncertainty.point import sensitivities
 
-PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 NEAR = 1e-3  # of the largest slope by a number: what quick derivatives are good to
 
 
@@ -34,7 +32,7 @@ def test_a_turning_far_from_all_before_is_one_more():
 
 def test_quick_derivatives_take_fewer_slices():
     series = Series()
-    problem, search = steady_state(problem_of(screwsim.load(PAPER), series), series)
+    problem, search = steady_state(problem_of(screwsim.load(POINT), series), series)
     machinery = lease_for(problem)
     of = solve_with_surroundings(problem, machinery, None, search).evaluation
     quick, fine = (collocated(of.problem, machinery, of.life, each).pitch.count for each in (QUICK, FINE))
@@ -42,7 +40,7 @@ def test_quick_derivatives_take_fewer_slices():
 
 
 def test_quick_derivatives_are_near_exact_ones():
-    scene = screwsim.load(PAPER)
+    scene = screwsim.load(POINT)
     fine, quick = (sensitivities(scene, fine=each) for each in (True, False))
     assert set(fine.method.values()) == {"exact"} and set(quick.method.values()) == {"quick"}
     for path in fine.values:

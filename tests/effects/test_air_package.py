@@ -233,7 +233,7 @@ def test_the_sheet_tells_what_carries_the_heat_away():
     scene = screwsim.load(SCENE, [PLAIN, f"{PACKAGE}.coolant={{temperature_rise: 15 K}}"])
     metric, us = (screwsim.datasheet(scene, units=units) for units in ("metric", "us"))
     flow = metric.document["points"][0]["coolant_flow"]
-    assert dict(metric.lines)["coolant"] == f"{3600.0 * flow:.4g} m³/h of air, warmed by 15 K, at full flow"
+    assert dict(metric.lines)["coolant"] == f"{3600.0 * flow:.0f} m³/h of air, warmed by 15 K, at full flow"
     assert dict(us.lines)["coolant"].endswith(" cfm of air, warmed by 27 °F, at full flow")
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from each_row import each_row
-from scenes import DROP, balanced, refusal, run
+from scenes import CARRIED, DROP, balanced, refusal, run
 
 from screwsim.effects import droplets, oil_heat
 from screwsim.effects.base import Around
@@ -14,7 +14,6 @@ from screwsim.fluid.settings import OilProperties
 from screwsim.fluid.transport import transport
 
 LAMBDA, MU, PR = transport("R134a", 6e5, 310.0)
-CARRIED = {"oil.transport": "carried"}
 STATED = {"gas_conductivity": "0.0146 W/(m K)", "gas_viscosity": "0.0122 mPa s", "prandtl": 0.81}
 
 

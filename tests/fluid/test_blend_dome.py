@@ -7,7 +7,7 @@ import pytest
 from blend_references import R, coolprop, reference, teqp_model
 
 from screwsim.fluid import constants
-from screwsim.fluid.blend_dome import blend_equilibrium_kernels, surface_kernel
+from screwsim.fluid.blend_dome import blend_equilibrium_kernels, blend_wet, surface_kernel
 from screwsim.fluid.blend_flash import Flashes, dome, references
 from screwsim.fluid.composition import own_blend
 from screwsim.fluid.description import describe
@@ -127,6 +127,17 @@ def test_two_phases_of_a_near_azeotrope_are_coolprops():
             assert found == pytest.approx(T, abs=1e-6)
             assert h == pytest.approx(state.hmass(), abs=1e-6 * known.R * T)
             assert gas.port_state_of_enthalpy(state.p(), h)[1] == pytest.approx(state.rhomass(), rel=1e-6)
+
+
+@pytest.mark.parametrize("fluid", ["R454B.mix", "R449A.mix"])
+def test_wet_gas_of_no_and_of_all_vapour_lies_on_bubble_and_dew_line(fluid):
+    """At any pressure: there the quality of a flash is rounding."""
+    wet = blend_wet(fluid)
+    for p in np.random.default_rng(1).uniform(1.5e5, 15e5, 40):
+        for quality, side in ((0.0, 1e-7), (1.0, -1e-7)):
+            found, near = wet.of_quality(p, quality), wet.of_quality(p, quality + side)
+            assert found[0] == pytest.approx(near[0], abs=1e-4)
+            assert found[1] == pytest.approx(near[1], rel=1e-3 if quality else 0.02)
 
 
 def test_a_blend_of_almost_one_component_condenses_as_that():

@@ -5,9 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from scenes import DROP
+from scenes import CARRIED, DROP
 
-CARRIED = {"oil.transport": "carried"}
+
+def below(path: str, **values: Any) -> dict[str, Any]:
+    """Return the values of several keys below a path."""
+    return {f"{path}.{key}": value for key, value in values.items()}
+
+
+def saturated(evaporating: str, condensing: str, superheat: str) -> dict[str, Any]:
+    """Return both lines stated by dew points."""
+    temperatures = {"evaporating_temperature": evaporating, "condensing_temperature": condensing}
+    return below("operation", suction=DROP, discharge=DROP, **temperatures, superheat=superheat)
+
+
 WARM = {  # a real gas and oil above its saturation at the discharge pressure
     **CARRIED,
     "gas.model": "real",
@@ -19,11 +30,7 @@ DEW = {  # lines by dew points, oil above saturation
     **CARRIED,
     "gas.model": "real",
     "oil_supply.temperature": "330 K",
-    "operation.suction": DROP,
-    "operation.discharge": DROP,
-    "operation.evaporating_temperature": "2 degC",
-    "operation.condensing_temperature": "45 degC",
-    "operation.superheat": "10 K",
+    **saturated("2 degC", "45 degC", superheat="10 K"),
 }
 CO2 = {
     **WARM,
@@ -69,6 +76,12 @@ class Case:
 def gaps(size: str) -> dict[str, Any]:
     """Return all clearances set to one size."""
     return {f"effects.{name}.gap": size for name in ("tip_leakage", "interlobe_leakage", "end_face_leakage")}
+
+
+def leaks(blow_hole: str = "", **gaps: str) -> dict[str, Any]:
+    """Return the clearances `tip`, `interlobe` and `end_face`, and the area of the blow-hole if stated."""
+    found = {f"effects.{name}_leakage.gap": size for name, size in gaps.items()}
+    return found | ({"effects.blow_hole.area": blow_hole} if blow_hole else {})
 
 
 def ports(factor: float) -> dict[str, Any]:

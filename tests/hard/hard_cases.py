@@ -11,9 +11,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from case import BARE, CARRIED, CO2, DEW, FINE, MOIST, WARM, WET, Case, droplet, gaps, lines, ports, speed
+from case import BARE, CO2, DEW, FINE, MOIST, WARM, WET, Case, droplet, gaps, lines, ports, speed
 from found_cases import found_cases
-from scenes import DROP
+from scenes import CARRIED, DROP
 
 CSV = {
     name: str(Path(__file__).parent / f"{name}.csv") for name in ("rough_volume", "rough_suction", "rough_discharge")

@@ -205,6 +205,14 @@ warnings, or to which a law does not apply is not checked. Beyond the bound: {be
 | law | drawn | checked | worst, divided by the bound |
 |---|---|---|---|
 {rows}
+
+`python tests/tools/relations.py --seed 1 --count 100` asks more of more kinds of scenes, those of
+`tests/tools/effects_space.py` and of `screwsim new` among them, and holds each pair against the errors that both
+results tell. It names effects at the value at which they do nothing, divides gaps in two, writes scenes otherwise,
+states what was found, makes machines similar in size, mass and temperature, and gases rare or nearly pure; it solves
+points alone, in rows, in lanes, in threads and at other accuracies. Of each result it asks that figures are sums,
+quotients, balances and CoolProp's properties of each other, and of its exact derivatives that they add up as dimensions
+ask for. It prints pairs that are three times as far apart as they tell, and what fails.
 """
 
 COMMANDS = """

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from each_row import each_row
-from scenes import DROP, GAS_FIGURES, make, run
+from scenes import CARRIED, DROP, GAS_FIGURES, make, run
 
 from screwsim import outputs
 from screwsim.cycle import coordinates, relaxation
@@ -16,7 +16,6 @@ from screwsim.model.network.steps import step_texts
 from screwsim.simulate import simulate
 
 ACCURACY = 3e-4  # the default one
-CARRIED = {"oil.transport": "carried"}
 SHUT = {"effects": {}, "oil": DROP, "oil_supply": DROP}
 
 

@@ -61,6 +61,7 @@ ALLOWED = {
     "study/part_load.py": ({"slide_valve", "suction_throttle", "bypass"}, STUDY),
     "study/stages/axes.py": ({"economizer"}, STUDY),
     "template/economizer.py": ({"economizer"}, WRITES),
+    "template/two_stages.py": ({"economizer"}, WORDS),
     "template/refrigeration.py": ({"separator", "drive", "motor"}, WRITES),
 }
 IMPORTS = {  # of what an effect's file has

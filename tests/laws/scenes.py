@@ -123,6 +123,7 @@ RATED: dict[str, Any] = {  # saturation temperatures in place of pressures
 }
 RADAU = {"integrator": "scipy-radau", "error": "none"}  # as numerics: what others are held against
 DROP = object()  # as a value: the field is left out
+CARRIED = {"oil.transport": "carried"}
 OIL_PORT["effects.oil_pump"] = DROP
 TOGETHER = {**ECONOMIZER, **OIL_PORT, **OIL_VOLUME}
 PLENUMS = {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2", "discharge_area": "15 cm^2"}

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from folders import CONFIGS
+from folders import CONFIGS, POINT
 from scenes import closed, make
 
 from screwsim.cycle import newton
@@ -18,7 +18,6 @@ from screwsim.scene import case, load, with_values
 from screwsim.simulate import simulate, simulate_many
 
 ENVELOPE = CONFIGS / "r134a" / "envelope.yaml"
-PAPER = CONFIGS / "paper" / "point.yaml"
 ALONG = {
     "oil_supply.ratio": [float(d) for d in np.linspace(1.0, 4.0, 9)],
     "operation.discharge.pressure": [f"{p} bar" for p in np.linspace(8.0, 12.0, 9)],
@@ -61,7 +60,7 @@ def test_a_course_through_scenes_far_apart_gives_what_single_scenes_give():
 
 def test_what_is_left_by_tangents_of_another_cycle_is_told_by_turns_and_not_by_these():
     # tangents of a cycle that is full of oil tell little of how one with less warms its line
-    paper, points = load(str(PAPER)), ((200, 1.0), (3000, 30.0), (3000, 1.0))
+    paper, points = load(str(POINT)), ((200, 1.0), (3000, 30.0), (3000, 1.0))
     course = [with_values(paper, {"operation.speed": n * RPM, "oil_supply.ratio": d}) for n, d in points]
     last = list(simulate_many(course, trace=False))[-1]
     alone = simulate(with_values(course[-1], {"numerics.accuracy": 3e-5}), trace=False)

@@ -2,14 +2,13 @@
 
 import pytest
 from each_row import each_row
-from scenes import FRICTION, HELD_GAPS, balanced, make, refusal, run
+from scenes import CARRIED, FRICTION, HELD_GAPS, balanced, make, refusal, run
 
 from screwsim.build import build_parts
 from screwsim.explain import explain
 from screwsim.fluid.gap_flow import flank_divisor, radial_divisor
 from screwsim.model.compose import compose
 
-CARRIED = {"oil.transport": "carried"}
 FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "trapped_mass")
 
 

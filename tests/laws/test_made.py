@@ -2,14 +2,13 @@
 
 import pytest
 from known_figures import known_solution
-from scenes import BASE, RADAU, change, make, run
+from scenes import BASE, CARRIED, RADAU, change, make, run
 
 from screwsim.build import build_parts
 from screwsim.explain import explain
 from screwsim.model.compose import compose
 
 ACCURACY = 3e-4
-CARRIED = {"oil.transport": "carried"}
 OWN = "own_effects.warm_wall"
 
 

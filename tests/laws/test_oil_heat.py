@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from scenes import SOLUBLE_RATE, closed, make
+from scenes import CARRIED, SOLUBLE_RATE, closed, make
 
 from screwsim.cycle.balances import streams_of
 from screwsim.evaluate.evaluation import evaluate
 from screwsim.model import slots
 from screwsim.solve.outflow_heat import misread_of_oil
-
-CARRIED = {"oil.transport": "carried"}
 
 
 def misread(problem, life):

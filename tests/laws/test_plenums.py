@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from each_row import each_row
-from scenes import change, closed, make, run
+from scenes import CARRIED, change, closed, make, run
 from scipy.integrate import solve_ivp
 
 from screwsim.cycle.feedback import LINE_POINTS, at_angles, turn_of
@@ -18,7 +18,6 @@ from screwsim.scene import loads
 from screwsim.simulate import simulate
 
 ACCURACY = 3e-4
-CARRIED = {"oil.transport": "carried"}
 SIZE = {"suction_volume": "8 l", "discharge_volume": "3 l", "suction_area": "40 cm^2", "discharge_area": "15 cm^2"}
 PLENUMS = {**CARRIED, "effects.plenums": SIZE}
 BALANCES = ("mass", "energy", "entropy", "oil_mass")

@@ -1,12 +1,12 @@
 """What flows back of the discharge line makes the next outflow warmer by its share: what that comes to is known."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import POINT
 from fuzz_courses import KINDS, course
-from scenes import make
+from scenes import CARRIED, make
 
 from screwsim.cycle.backflow import LARGEST_CHANGE, LARGEST_SHARE, NO_FEEDBACK, backflow_feedback
 from screwsim.cycle.balances import streams_of
@@ -20,8 +20,6 @@ from screwsim.model import leases
 from screwsim.scene import load
 from screwsim.simulate import simulate, simulate_many
 
-PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
-CARRIED = {"oil.transport": "carried"}
 OUT = np.array([1e-3, 3e-3])  # gas and oil that flow out in a life [kg]
 
 
@@ -97,7 +95,7 @@ def test_of_a_trace_of_oil_nothing_is_foretold():
 @pytest.mark.parametrize("rpm", [1000, 6000])
 def test_the_line_is_led_nearer_to_that_of_the_closed_cycle(rpm):
     """Of the first turn, whose oil comes back as cold as it was supplied: that is what is guessed."""
-    problem = problem_of(load(PAPER, ["oil.transport=carried", f"operation.speed={rpm} rpm"]))
+    problem = problem_of(load(POINT, ["oil.transport=carried", f"operation.speed={rpm} rpm"]))
     machinery = lease_for(problem)
     turns = _Turns(ClosingTask(problem, machinery, problem.criteria), Start(install_first_guess(problem, machinery)))
     assert turns.integrate() is None
@@ -113,7 +111,7 @@ def test_the_line_is_led_nearer_to_that_of_the_closed_cycle(rpm):
 
 def test_a_fast_machine_with_carried_oil_closes_in_three_turns():
     """Only the heat of the line comes back there, by a fifth a turn: it took five."""
-    problem = problem_of(load(PAPER, ["oil.transport=carried", "operation.speed=6000 rpm"]))
+    problem = problem_of(load(POINT, ["oil.transport=carried", "operation.speed=6000 rpm"]))
     machinery = lease_for(problem)
     cycle = relax(
         ClosingTask(problem, machinery, problem.criteria), Start(install_first_guess(problem, machinery)), last=True

@@ -1,9 +1,8 @@
 """Oil flow for a temperature at discharge, economizer in equilibrium: found with the cycle, as if stated."""
 
-from pathlib import Path
-
 import pytest
 from each_row import each_row
+from folders import POINT
 from scenes import DROP, ECONOMIZER, make, run
 
 import screwsim
@@ -17,7 +16,6 @@ from screwsim.simulate import simulate, simulate_many
 from screwsim.study.uncertainty.point import sensitivities
 from screwsim.template import new_scene, request_of
 
-POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 ACCURACY = 3e-4
 SHARE = 1e-3  # of a number, for differences
 SLOPES = 5e-4  # of a slope: with the economizer held, 2 and more

@@ -2,7 +2,7 @@
 
 import pytest
 from known_figures import known_solution
-from scenes import FILMS, HELD_GAPS, RADAU, change, make, run
+from scenes import CARRIED, FILMS, HELD_GAPS, RADAU, change, make, run
 
 from screwsim.effects.wall_heat import coefficient
 from screwsim.explain import explain
@@ -10,7 +10,6 @@ from screwsim.inputs.faults import SceneError
 from screwsim.scene import loads
 
 ACCURACY = 3e-4
-CARRIED = {"oil.transport": "carried"}
 SIZE = {"rotor_area": "400 cm^2", "housing_area": "150 cm^2", "characteristic_length": "58 mm"}
 WALLS = {**CARRIED, "effects.wall_heat": SIZE}
 BALANCES = ("mass", "energy", "entropy", "oil_mass")

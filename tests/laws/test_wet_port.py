@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scenes import OIL_VOLUME, balanced, make, run
+from scenes import CARRIED, OIL_VOLUME, balanced, make, run
 
 from screwsim.build import build_parts
 from screwsim.explain import explain
@@ -11,7 +11,6 @@ from screwsim.fluid.ideal_gas import IdealGas
 from screwsim.fluid.wet_nozzle import wet_share
 from screwsim.inputs.faults import SceneError
 
-CARRIED = {"oil.transport": "carried"}
 WET = {**CARRIED, "effects.discharge_port.chisholm_exponent": 0.5}
 FIGURES = ("gas_mass_flow", "shaft_power", "discharge_temperature", "trapped_mass")
 OIL_DENSITY = 1000.0  # [kg/m³], of the scenes

@@ -1,11 +1,11 @@
 """An integrator of the user's own is one file: its coefficients are checked, and it solves what Rodas4 solves."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from each_row import each_row
+from folders import POINT
 
 import screwsim
 from screwsim.figures.errors import relative_errors, worst
@@ -14,7 +14,6 @@ from screwsim.numerics.integrators import RODAS3, RODAS4, find_integrator
 from screwsim.results.schema import identity_of
 from screwsim.simulate import simulate
 
-POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 RODASP, RADAU = "own_integrators.rodasp", "own_integrators.radau"
 
 

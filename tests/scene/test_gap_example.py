@@ -1,13 +1,10 @@
 """A length as small as a gap is told with an example of its size."""
 
-from pathlib import Path
-
 import pytest
+from folders import POINT
 
 import screwsim
 from screwsim.inputs.faults import SceneError, UsageError
-
-PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 
 
 @pytest.mark.parametrize(
@@ -15,4 +12,4 @@ PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 )
 def test_example_is_of_the_size_of_what_is_asked(path, example):
     with pytest.raises((SceneError, UsageError), match=f"'5 bar' is not a length \\(write e.g. '{example}'\\)"):
-        screwsim.load(PAPER).with_({path: "5 bar"})
+        screwsim.load(POINT).with_({path: "5 bar"})

@@ -2,10 +2,10 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from folders import POINT
 from result_fakes import GRID, SCENE, fake_simulate
 
 from screwsim.inputs.faults import UsageError
@@ -18,8 +18,6 @@ from screwsim.simulate import simulate
 from screwsim.study.compare import compare, matched
 from screwsim.study.sweep import run_sweep
 from screwsim.study.uncertainty.point import with_uncertainty
-
-PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 
 ERROR = 1e-5  # estimated, of the shaft power of the fake
 
@@ -130,7 +128,7 @@ def test_a_change_is_as_uncertain_as_inputs_that_are_not_off_alike(tmp_path, cap
     """A file against itself: they are all alike. Against the same machine without tolerances: none is."""
     tolerances = {"effects.tip_leakage.gap": "27.5 um ± 5 um", "oil_supply.ratio": "3 ± 10 %"}
     files = []
-    for name, scene in (("with", load(PAPER).with_(tolerances)), ("without", load(PAPER))):
+    for name, scene in (("with", load(POINT).with_(tolerances)), ("without", load(POINT))):
         save(tmp_path / f"{name}.h5", scene, with_uncertainty(scene, simulate(scene)))
         files.append(open_results(tmp_path / f"{name}.h5"))
     toleranced, exact = files

@@ -33,11 +33,19 @@ OF_600 = "pressure_at_600_deg [bar],pressure_at_600_deg_uncertainty [bar]"
 PRESSURES = "angle_deg,pressure_kPa\n500,200\n600.5,600\n"
 
 
-def fit_of(folder, points, pressures=PRESSURES):
+def fit_of(folder, points, pressures=PRESSURES, scene=POINT):
     (folder / "points.csv").write_text(points, encoding="utf-8")
     (folder / "p.csv").write_text(pressures, encoding="utf-8")
-    (folder / "own.fit.yaml").write_text(FIT, encoding="utf-8")
+    (folder / "own.fit.yaml").write_text(FIT.replace(str(POINT), str(scene)), encoding="utf-8")
     return read_fit(folder / "own.fit.yaml")
+
+
+def with_plenum(folder):
+    """Return the file of the scene with a plenum behind its discharge port."""
+    plenum = "effects:\n  plenums: {discharge_volume: 5 l, discharge_area: 20 cm^2}\n"
+    text = POINT.read_text(encoding="utf-8").replace("effects:\n", plenum, 1)
+    (folder / "plenum.yaml").write_text(text, encoding="utf-8")
+    return folder / "plenum.yaml"
 
 
 def result(last=720.0):
@@ -89,6 +97,7 @@ def test_a_point_may_have_no_indicator_beside_others_that_have_one(tmp_path):
         (f"{HEAD}\n1000,p.csv,40\n", "angle_deg,pressure_bar\n" + "9,1\n" * 2001, "at most 2000"),
         (f"{HEAD.replace('indicator', 'indicator_of_gas_temperature')}\n1000,p.csv,40\n", PRESSURES, "is not known"),
         (f"{HEAD.replace('indicator', 'indicator_of_pressure')}\n1000,p.csv,40\n", PRESSURES, "is not known"),
+        (f"{OF_PLENUM}\n1000,p.csv,40\n", PRESSURES, "is a curve of effects.plenums, which the scene lacks"),
         ("heat_at_600_deg [W],heat_at_600_deg_uncertainty [W]\n1,1\n", PRESSURES, "heat_at_600_deg: is not known"),
         (
             f"{HEAD}\n1000,p.csv,40\n",
@@ -130,7 +139,7 @@ def test_a_temperature_at_an_angle_is_a_column_with_its_unit(tmp_path):
 
 
 def test_a_file_may_hold_the_pressure_of_a_plenum(tmp_path):
-    (point,) = fit_of(tmp_path, f"{OF_PLENUM}\n1000,p.csv,40\n").points
+    (point,) = fit_of(tmp_path, f"{OF_PLENUM}\n1000,p.csv,40\n", scene=with_plenum(tmp_path)).points
     assert {name: tuple(each) for name, each in point.measured.items()} == {
         Reading(PLENUM, 500.0).figure: (2e5, 4e3),
         Reading(PLENUM, 600.5).figure: (6e5, 4e3),
@@ -200,7 +209,8 @@ def test_few_pressures_have_a_line_each_and_many_one_with_root_mean_squares(tmp_
 def test_curves_are_told_and_drawn_apart(tmp_path):
     rows = "".join(f"{angle},200\n" for angle in range(500, 560, 5))
     both = HEAD + OF_PLENUM.removeprefix("operation.speed [rpm]")
-    fit = fit_of(tmp_path, f"{both}\n1000,p.csv,40,p.csv,40\n", f"angle_deg,pressure_kPa\n{rows}")
+    file = f"angle_deg,pressure_kPa\n{rows}"
+    fit = fit_of(tmp_path, f"{both}\n1000,p.csv,40,p.csv,40\n", file, with_plenum(tmp_path))
     found = compared(fit, 24)
     lines = [" ".join(line.split()) for line in lines_of_points(found)]
     assert lines[2:] == [

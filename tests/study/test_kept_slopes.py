@@ -1,9 +1,8 @@
 """A sweep keeps the derivatives of each point when its scene asks for them, and its figures are those without."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from folders import POINT
 
 import screwsim
 from screwsim import cli
@@ -11,7 +10,6 @@ from screwsim.inputs.faults import SceneError
 from screwsim.results.table import join, table_of
 from screwsim.study.sweep.part_files import is_whole, read_part, write_part
 
-POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 GAP, POWER = "effects.tip_leakage.gap", "shaft_power"
 ASKED = {"output.derivatives": "all"}
 TIMES = ("wall_time", "estimating_time")

@@ -1,16 +1,14 @@
 """Effects left out one at a time: which of them the chambers cannot do without."""
 
 import importlib
-from pathlib import Path
 
 import pytest
+from folders import POINT
 
 from screwsim.outputs import Figures, Result
 from screwsim.scene import load
 from screwsim.study import knock_out
 from screwsim.study.pool.progress import Progress
-
-POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 
 
 @pytest.mark.parametrize(

@@ -2,11 +2,11 @@
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from each_row import each_row
+from folders import POINT
 from result_fakes import SCENE
 from study_fakes import deadly, flat, gappy, parabola, raising, result_of, rough, scene, steady, two_tops
 
@@ -19,7 +19,6 @@ from screwsim.study.best.optimum import optimum, question
 from screwsim.study.best.search import SearchPoint, find_maximum
 from screwsim.template import new_scene, request_of
 
-PAPER = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 SPEEDS = "sweep:\n  operation.speed: [1000 rpm, 2000 rpm, 3000 rpm]\n"
 
 
@@ -226,13 +225,13 @@ def test_a_path_that_the_scene_cannot_have_is_refused():
     one = loads(text)
     with pytest.raises(UsageError, match=r"oil_supply\.ratio: follows from the orifice of displaced oil"):
         optimum(one, question(one), simulate=parabola)
-    dry = load(PAPER.parents[1] / "slider_crank" / "air.yaml")
+    dry = load(POINT.parents[1] / "slider_crank" / "air.yaml")
     with pytest.raises(UsageError, match=r"oil_supply\.ratio: the scene has no oil supply \(vary another path"):
         question(dry)
 
 
 def test_the_optimum_of_the_paper_is_that_of_a_fine_grid():
-    one = loads(PAPER.read_text(), folder=str(PAPER.parent), overrides=["operation.speed=3000 rpm"])
+    one = loads(POINT.read_text(), folder=str(POINT.parent), overrides=["operation.speed=3000 rpm"])
     (row,) = optimum(one, question(one))
     fine = with_values(one, {"numerics.accuracy": 1e-6})
     ratio = np.geomspace(0.8, 1.1, 33)  # 1 % apart

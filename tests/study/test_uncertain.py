@@ -1,9 +1,8 @@
 """Uncertainty of figures by the tolerances of the inputs: propagation, groups, the sample that holds it to account."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
+from folders import POINT
 
 import screwsim
 from screwsim.inputs.faults import UsageError
@@ -13,7 +12,6 @@ from screwsim.study.pool import solving
 from screwsim.study.uncertainty.point import uncertainty
 from screwsim.study.uncertainty.sampled import checked_by_sample, drawn_inputs
 
-POINT = Path(__file__).parents[2] / "configs" / "paper" / "point.yaml"
 SPEED, VOLUME, GAP = "operation.speed", "machine.volume.max", "effects.tip_leakage.gap"
 FLOW = "displacement_flow"  # swept volume times chambers a second: known by hand
 CLOSE = 1e-6  # of differences of composed numbers

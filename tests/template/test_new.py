@@ -243,6 +243,12 @@ def test_oil_takes_room_in_a_small_slow_machine_on_dense_gas():
         ("refrigeration", {}, False),
         ("refrigeration", {"fluid": "CO2", "condition": "-30/-5 degC"}, True),  # 30 bar
         ("refrigeration", {"fluid": "CO2", "condition": "-40/-15 degC"}, False),  # 23 bar
+        ("refrigeration", {"fluid": "R32", "condition": "0/50 degC"}, False),  # leaks little
+        (
+            "refrigeration",
+            {"fluid": "R32", "condition": "0/50 degC", "displacement": "18 m^3/h", "speed": "900 rpm"},
+            True,
+        ),
         ("booster", {}, False),
         ("booster", {"condition": "5/25 bar"}, True),
     ],

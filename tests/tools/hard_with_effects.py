@@ -26,11 +26,10 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[2]
 STORED = ROOT / "tests" / "hard" / "with_effects.json"
 sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws")]
-from case import CARRIED  # noqa: E402
 from hard_cases import CASES  # noqa: E402
 from judging import Stopped, finite, limited  # noqa: E402
 from records import by_records  # noqa: E402
-from scenes import DROP, FILMS, HELD_GAPS, make  # noqa: E402
+from scenes import CARRIED, DROP, FILMS, HELD_GAPS, make  # noqa: E402
 
 from screwsim.inputs.faults import SceneError  # noqa: E402
 from screwsim.simulate import simulate, warm_up  # noqa: E402

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
+import CoolProp.CoolProp as coolprop
 import numpy as np
 import yaml
 from true_error import warns
@@ -87,6 +88,15 @@ def believed_twin(found: Result, scene: Scene) -> Result:
     if found.status != "ok":
         raise Lost(f"{found.status}: {found.message}")
     return believed(found, scene)
+
+
+def exponent(scene: Scene, found: Result) -> float:
+    """Return k of the ideal gas of a scene and its result: as stated, or cp/(cp - R) at the suction temperature."""
+    if scene.gas.isentropic_exponent is not None:
+        return float(scene.gas.isentropic_exponent)
+    fluid = scene.gas.fluid
+    heat = coolprop.PropsSI("CP0MOLAR", "T", found.performance.suction_temperature, "P", 1e3, fluid)
+    return float(heat / (heat - coolprop.PropsSI("GAS_CONSTANT", fluid)))
 
 
 def tree_of(scene: Scene) -> dict[str, Any]:

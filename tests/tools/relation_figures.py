@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import CoolProp.CoolProp as coolprop
-from relating import Case, NotAsked, Pair, law
+from relating import Case, NotAsked, Pair, exponent, law
 from relation_laws import LOSSES
 
 from screwsim.outputs import Result
@@ -212,17 +212,11 @@ def first_law(case: Case) -> Iterator[Pair]:
         taken = p["cooling_capacity"] + p["shaft_power"] + motor
         yield identity(result, "heat given off", given, taken, p["shaft_power"], may)
     if "package_heat" in p and scene.gas.relative_humidity is None and scene.gas.model == "ideal":
-        k = scene.gas.isentropic_exponent or _exponent(scene.gas.fluid, p["suction_temperature"])
+        k = exponent(scene, result)
         c_p = R / coolprop.PropsSI("molar_mass", scene.gas.fluid) * k / (k - 1.0)
         rise = p["gas_mass_flow"] * c_p * (p["package_discharge_temperature"] - p["suction_temperature"])
         heat = p["package_input_power"] - rise
         yield identity(result, "package_heat", p["package_heat"], heat, p["package_input_power"], may)
-
-
-def _exponent(fluid: str, T: float) -> float:
-    """Return cp/cv of the ideal gas at T [K]."""
-    heat = coolprop.PropsSI("CP0MOLAR", "T", T, "P", 1e3, fluid)
-    return heat / (heat - coolprop.PropsSI("GAS_CONSTANT", fluid))
 
 
 @law

@@ -207,8 +207,12 @@ def wider_leak(case: Case) -> Iterator[Pair]:
     """A wider leak does not increase the delivered flow."""
     here = case.result
     there = {path: by for path, by in LEAKS.items() if isinstance(case.value(path), float) and case.value(path)}
-    if not there or case.scene.machine.mode == "expander" or "refrigerant_solubility" in case.scene.effects:
-        raise NotAsked("no leak that is a number, or oil whose gas it may dissolve")
+    if (
+        not there
+        or case.scene.machine.mode == "expander"
+        or {"refrigerant_solubility", "drive"} & case.scene.effects.keys()
+    ):
+        raise NotAsked("no leak that is a number, oil whose gas it may dissolve, or a speed that follows")
     path = str(case.random.choice(list(there)))
     wide = twin(with_values(case.scene, {path: there[path] * case.value(path)}))
     one, other = (each.performance.get("gas_mass_flow") for each in (here, wide))

@@ -11,9 +11,8 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-import CoolProp.CoolProp as coolprop
 import pytest
-from relating import Case, Lost, NotAsked, Pair, believed_twin, law, scaled, twin
+from relating import Case, Lost, NotAsked, Pair, believed_twin, exponent, law, scaled, twin
 from test_dimensions import SI
 
 from screwsim.fluid import transport
@@ -22,6 +21,7 @@ from screwsim.scene import Scene, value_at, with_values
 from screwsim.scene.fields import leaves_of
 from screwsim.simulate import simulate
 
+LOST = 3e5  # [Pa] pressure loss of a package above which a multiple of it is not found
 RARE = 1e-4  # of the pressure: there a real gas is an ideal one within 1e-6
 ALMOST = 1e-5  # relative difference that stays then
 TRACE = 1e-9  # mass fraction of the second component of a blend that is nearly pure
@@ -32,40 +32,42 @@ def similar(case: Case) -> Iterator[Pair]:
     """A machine of other lengths, times, masses and temperatures with the same numbers without dimension is similar."""
     here, scene, random = case.result, case.scene, case.random
     own = "refrigerant_solubility", "thermal_clearances"
-    if any(name in scene.effects for name in own) or _has_sizes(scene) or case.value("machine.volume.law") == "table":
+    if any(name in scene.effects for name in own) or has_sizes(scene) or case.value("machine.volume.law") == "table":
         raise NotAsked("laws with sizes of their own")
     if scene.oil is not None and scene.oil.name:
         raise NotAsked("an oil with a temperature of its own")
+    if (here.performance.get("package_pressure_loss") or 0.0) > LOST:
+        raise NotAsked("its losses are found in steps of a size")
     length = math.exp(random.uniform(-1.0, 1.0))
     mass = length**3
-    if scene.gas.model == "ideal" and scene.gas.relative_humidity is None:
+    if scene.gas.model == "ideal" and scene.gas.relative_humidity is None and "bearings" not in scene.effects:
         mass = math.exp(random.uniform(-1.0, 1.0))
     factors = {"kg": mass, "m": length, "s": length}
     with pytest.MonkeyPatch.context() as patch:
         other = _in_units(scene, factors, patch)
         there = twin(other)
     about = there.performance.about
-    back = {name: 1.0 / _factor(about[name].units, factors) for name in there.performance}
+    back = {name: 1.0 / factor(about[name].units, factors) for name in there.performance}
     yield Pair(f"similar by {length:.3g} m, {mass:.3g} kg", here, scaled(there, back), slack=1e-6)
 
 
-def _has_sizes(scene: Scene) -> bool:
+def has_sizes(scene: Scene) -> bool:
     """Return whether a scene has fits to gaps of a size, or motors of classes, which are listed by power."""
     parameters = [each.parameters for each in scene.effects.values()]
     fitted = any(getattr(each, "friction_fit", None) is not None for each in parameters)
     return fitted or any(getattr(each, "efficiency_class", "stated") != "stated" for each in parameters)
 
 
-def _factor(unit: str, factors: Mapping[str, float]) -> float:
+def factor(unit: str, factors: Mapping[str, float]) -> float:
     """Return the factor of a quantity of an SI unit, where those of kg, m, s and K are given."""
     over, _, under = unit.partition("/")
     found = 1.0
     for part, sign in ((over, 1), (under.strip("()"), -1)):
-        for name, exponent in re.findall(r"([A-Za-z]+|1)\^?(-?\d+)?", part):
+        for name, raised in re.findall(r"([A-Za-z]+|1)\^?(-?\d+)?", part):
             kelvins = factors.get("K", 1.0) if name in ("K", "kelvin") else 1.0
             kg, m, s = SI[name]
             found *= (factors["kg"] ** kg * factors["m"] ** m * factors["s"] ** s * kelvins) ** (
-                sign * int(exponent or 1)
+                sign * int(raised or 1)
             )
     return found
 
@@ -77,13 +79,13 @@ def _in_units(scene: Scene, factors: Mapping[str, float], patch: pytest.MonkeyPa
     for path, leaf in leaves_of(scene).items():
         value = None if leaf.dimension is None else value_at(scene, path)
         if value and leaf.dimension is not None and not is_derived(value):
-            found[path] = value * _factor(leaf.dimension.si, factors)
+            found[path] = value * factor(leaf.dimension.si, factors)
     return with_values(scene, found)
 
 
 def _scale_transport(patch: pytest.MonkeyPatch, factors: Mapping[str, float]) -> None:
     """Make CoolProp's conductivity and viscosity of a gas those of the same gas in other units."""
-    pressure, conducts, viscous = (_factor(unit, factors) for unit in ("Pa", "W/(m K)", "Pa s"))
+    pressure, conducts, viscous = (factor(unit, factors) for unit in ("Pa", "W/(m K)", "Pa s"))
     of_both, of_one, hot = transport.transport, transport.viscosity, factors.get("K", 1.0)
 
     def both(fluid: Any, p: float, T: float) -> tuple[float, float, float]:
@@ -101,7 +103,7 @@ def hotter(case: Case) -> Iterator[Pair]:
     """An ideal gas of constant k at other temperatures is the same machine at a speed that goes with their root."""
     here, scene = case.result, case.scene
     own = {"refrigerant_solubility", "thermal_clearances", "economizer", "liquid_injection", "separator", "air_package"}
-    if scene.gas.model != "ideal" or own & scene.effects.keys() or _has_sizes(scene):
+    if scene.gas.model != "ideal" or own & scene.effects.keys() or has_sizes(scene):
         raise NotAsked("laws with temperatures of their own")
     if scene.gas.relative_humidity is not None or case.value("operation.suction.temperature") is None:
         raise NotAsked("lines by saturation")
@@ -109,15 +111,11 @@ def hotter(case: Case) -> Iterator[Pair]:
         raise NotAsked("an oil with a temperature of its own")
     warmer = math.exp(case.random.uniform(-0.3, 0.3))
     factors = {"kg": 1.0, "m": 1.0, "s": warmer**-0.5, "K": warmer}
-    k = scene.gas.isentropic_exponent
-    if k is None:
-        heat = coolprop.PropsSI("CP0MOLAR", "T", here.performance.suction_temperature, "P", 1e3, scene.gas.fluid)
-        k = heat / (heat - coolprop.PropsSI("GAS_CONSTANT", scene.gas.fluid))
-    constant = case.changed({"gas.isentropic_exponent": k})
+    constant = case.changed({"gas.isentropic_exponent": exponent(scene, here)})
     about = here.performance.about
     with pytest.MonkeyPatch.context() as patch:
         there = twin(_in_units(constant, factors, patch))
-    back = {name: 1.0 / _factor(about[name].units, factors) for name in there.performance}
+    back = {name: 1.0 / factor(about[name].units, factors) for name in there.performance}
     yield Pair(f"{warmer:.3g} times as hot", here, scaled(there, back), slack=1e-6)
 
 

@@ -61,6 +61,7 @@ def _far(case: Case) -> Scene:
 @law
 def in_threads(case: Case) -> Iterator[Pair]:
     """Threads beside each other, and a run after others, give the same bits."""
+    case.believe()
     alone = twin(case.scene)
     with ThreadPoolExecutor(2) as pool:
         found = list(pool.map(lambda scene: simulate(scene, trace=False), [case.scene, _far(case)]))

@@ -1,11 +1,11 @@
 """Solve random scenes and others that a law ties to them, and print the pairs that break their law.
 
-Run: relations.py [LAW …] [--seed 1] [--count 100] [--effects STRUCTURE]. Each scene is one of `effects_space.py`, a
-machine of `screwsim new` (`fuzz_new.py`), or one around a shipped one (`fuzz_courses.py`); each law of the
-modules `relation_*.py` is asked of it. Figures may differ by the errors that
-both results tell, and by `UNTOLD` of the wanted accuracy. Estimates may be beaten now and then: pairs further apart are
-counted, those more than `FAR` times as far are printed, and make the exit code 1. Scenes that are not ok, or that warn
-of their accuracy, say nothing.
+Run: relations.py [LAW …] [--seed 1] [--count 100] [--effects STRUCTURE] [--told]. Each scene is one of
+`effects_space.py`, a machine of `screwsim new` (`fuzz_new.py`), or one around a shipped one (`fuzz_courses.py`); each
+law of the modules `relation_*.py` is asked of it. Figures may differ by the errors that both results tell, and by
+`UNTOLD` of the wanted accuracy. Estimates may be beaten now and then: pairs further apart are counted, those more than
+`FAR` times as far are printed, and make the exit code 1, and so does a twin that fails. Scenes that are not ok, or that
+warn of their accuracy, say nothing.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ import relation_figures  # noqa: E402, F401  each adds its laws
 import relation_inputs  # noqa: E402, F401
 import relation_laws  # noqa: E402, F401
 import relation_similar  # noqa: E402, F401
+import relation_slopes  # noqa: E402, F401
 import relation_ways  # noqa: E402, F401
 from fuzz_courses import KINDS, course  # noqa: E402
 from judging import Stopped, limited  # noqa: E402
@@ -104,8 +105,10 @@ def asked(law: Law, case: Case) -> tuple[list[list[Broken]], str]:
             for pair in law(case):
                 found.append(off(pair, case.scene.numerics.accuracy))
     except Lost as why:
-        return found, str(why)
-    except (NotAsked, Stopped, SceneError, UsageError):
+        return found, f"lost: {why}"
+    except (SceneError, UsageError) as why:
+        return found, f"refused: {why}"
+    except (NotAsked, Stopped):
         pass
     except Exception as error:  # noqa: BLE001  no scene may cause any other
         found.append([Broken(math.inf, type(error).__name__, f"{type(error).__name__}: {error}")])
@@ -126,7 +129,9 @@ def summary(rows: Mapping[str, list[list[Broken]]]) -> Iterator[str]:
         )
 
 
-def related(seed: int, count: int, laws: list[str], structure: str = "") -> dict[str, list[list[Broken]]]:
+def related(
+    seed: int, count: int, laws: list[str], structure: str = "", refusals: bool = False
+) -> dict[str, list[list[Broken]]]:
     """Ask laws of random scenes; print each pair that is far off as it is found, and return all."""
     rows: dict[str, list[list[Broken]]] = defaultdict(list)
     for name, scene, random in scenes(seed, count, structure):
@@ -134,8 +139,8 @@ def related(seed: int, count: int, laws: list[str], structure: str = "") -> dict
         for law in laws:
             pairs, lost = asked(LAWS[law], case)
             rows[law] += pairs
-            if lost:
-                print(f"{name}: {law}: lost, {lost}", flush=True)
+            if lost and (refusals or not lost.startswith("refused")):
+                print(f"{name}: {law}: {lost}", flush=True)
             for worst in (max(pair) for pair in pairs if pair):
                 if worst.off > FAR:
                     print(f"{name}: {law}: {worst.off:.3g} times what is told: {worst.what}", flush=True)
@@ -149,10 +154,11 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--effects", default="", metavar="STRUCTURE", help="scenes of this one of effects_space alone")
+    parser.add_argument("--told", action="store_true", help="print refused scenes, too")
     given = parser.parse_args()
     if unknown := set(given.laws) - set(LAWS):
         parser.error(f"no such law: {', '.join(sorted(unknown))}; known: {', '.join(LAWS)}")
-    rows = related(given.seed, given.count, given.laws or list(LAWS), given.effects)
+    rows = related(given.seed, given.count, given.laws or list(LAWS), given.effects, given.told)
     print("\n".join(summary(rows)))
     return int(any(each.off > FAR for pairs in rows.values() for pair in pairs for each in pair))
 

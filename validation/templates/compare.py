@@ -103,10 +103,11 @@ CLEARANCES = (
     *(f"effects.oil_drag.{which}_gap" for which in ("tip", "end")),
     "effects.shaft_leakage.clearance",
 )
+GEARED = ["effects.mechanical.fraction=0.01", "effects.separator.friction_share=1"]
 HOMOGENEOUS = "effects.blow_hole.model=homogeneous"
 TRIED: Mapping[str, Callable[[Scene], list[str]]] = {
     "as written": lambda scene: [],
-    "gears in place of belts": lambda scene: ["effects.mechanical.fraction=0.01"],
+    "gears in place of belts": lambda scene: GEARED,
     "clearances of 160 mm at every size": cleared(0.0),
     "clearances by the cube root of the diameter, as tolerances": cleared(1.0 / 3.0),
     "end faces as a maker sets them": set_by_maker,

@@ -33,6 +33,8 @@ FIRST_RING = 0.3  # first slices on both sides of a turning flow, in widths of i
 AROUND_PEAK = 2e-4  # rad: half the width of the slice around the highest pressure
 RING_GROWTH = 2.5  # ... and ratio of each slice to the one before
 SHARE_BEFORE = 1e-4  # widths of a layer by which a slice ends before the flow turns, to keep its last node on that side
+NEAR = 0.25  # of that: a node of the slice behind may be no nearer to the turning; otherwise that slice ends ...
+BEHIND = 2.0  # ... so much of that behind it
 DROP_BEFORE = 1e-9  # of the pressure: least difference at that node, ten times the shortest step of differences
 CORNER_LAYER = 1e-2  # rad: layer assumed for a corner or jump of a rate; the slice before it ends 1e-6 rad from it
 
@@ -160,10 +162,24 @@ def with_rings(
         ring = np.concatenate([at - reach[::-1], [at, *([at + jump] if jump else [])], at + reach])
         ring = ring[(ring > low) & (ring < high)]
         if len(ring):
-            kept = kept[(kept < ring[0]) | (kept > ring[-1])]
+            kept = kept[(kept < ring[0]) | (kept > max(ring[-1], angle + BEHIND * share * layer))]
             added.append(ring)
     found = np.unique(np.concatenate([kept, *added]))
     near = np.diff(found, prepend=-1.0) < LEAST
     marked = np.isin(found, seams)
     near[:-1] |= marked[1:] & ~marked[:-1] & (np.diff(found) < LEAST)  # a seam stays, edges near it go
-    return found[~near | marked]
+    return _nodes_apart(found[~near | marked], crossings)
+
+
+def _nodes_apart(edges: Array, crossings: Sequence[Crossing]) -> Array:
+    """Return edges with one behind each crossing to which a node of its slice is so near that differences pass it."""
+    more = []
+    for angle, layer, jump, share in crossings:
+        behind = int(edges.searchsorted(angle))
+        if jump or not 0 < behind < len(edges):
+            continue
+        nodes = edges[behind - 1] + SHARES * (edges[behind] - edges[behind - 1])
+        at = angle + BEHIND * share * layer
+        if np.abs(nodes - angle).min() < NEAR * share * layer and at < edges[behind] - LEAST:
+            more.append(at)
+    return np.sort(np.append(edges, more)) if more else edges

@@ -247,9 +247,9 @@ def _cooled_by(parameters: Parameters, known, heats: Given) -> Given:
     """Return flow and rise of what carries the heat away; air of the room is as warm as the inlet."""
     if parameters.coolant is None:
         return {}
-    heat, found = heats["package_heat"], known.found
-    if parameters.coolant.medium == cooling.WATER and not isinstance(heat, str):
-        heat = (found.get("oil_cooler_duty") or 0.0) + heats["aftercooler_duty"]
+    heat, duty, found = heats["package_heat"], heats["aftercooler_duty"], known.found
+    if isinstance(duty, float) and parameters.coolant.medium == cooling.WATER:
+        heat = (found.get("oil_cooler_duty") or 0.0) + duty
     p, T = found["suction_pressure"], found["suction_temperature"]
     c_p = (known.enthalpy(p, T + STEP) - known.enthalpy(p, T)) / STEP
     return parameters.coolant.figures(heat, known.suction_density * c_p)

@@ -49,6 +49,12 @@ def declared_trace(name: str) -> Variable | None:
     return known_traces().get(name) or _traces(imported()).get(name)
 
 
+def effects_with_trace(name: str) -> list[str]:
+    """Return the effects that declare a curve of a cycle; none where every machine has it."""
+    every = () if name in CYCLE else (catalogue() | imported()).items()
+    return [effect for effect, declares in every if any(each.name == name for each in declares.traces)]
+
+
 def _traces(effects: Mapping[str, Effect]) -> dict[str, Variable]:
     every = (each for effect in effects.values() for each in effect.traces)
     return {each.name: Variable(each.units, each.long_name) for each in every}

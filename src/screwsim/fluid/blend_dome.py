@@ -182,7 +182,9 @@ class BlendWet:
             vapour = found.beta[0] * float(masses @ found.vapour[:, 0])
             return vapour / self.border.known.molar_mass - quality
 
-        T = _root(*self.between(p), excess)
+        bubble, dew = self.between(p)
+        # at the ends themselves the quality of flashed states is rounding, in which a search gets lost
+        T = {0.0: bubble, 1.0: dew}.get(quality) or _root(bubble, dew, excess)
         return T, 1.0 / self.volume(p, T)
 
 

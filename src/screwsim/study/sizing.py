@@ -190,7 +190,7 @@ def _unusual(asked: SceneRequest, found: SizedMachine) -> Iterator[str]:
     if DELIVERED in p and p.package_discharge_pressure > ONE_STAGE * p.suction_pressure:
         ratio = p.package_discharge_pressure / p.suction_pressure
         what = f"a pressure ratio of {ratio:.3g} in one stage: makers build one for 13 to 15 bar(g) at most"
-        yield f"{what}, and two beyond (docs/how-to/two-stages.md joins two scenes)"
+        yield f"{what}, and two beyond (--two-stage writes them)"
     load = abs(p.shaft_power) / _rated_power(scene)
     if asked.motor is not None and not LIGHT <= load <= SERVICE_FACTOR:
         word = "more" if load > SERVICE_FACTOR else "less"

@@ -74,10 +74,19 @@ def _solved(kind: str, asked: SceneRequest, ends: Ends, found: Found, warm: bool
     try:
         texts = two_stages.scenes_of(kind, asked, ends, found)
         low, high = (loads(text, f"new {kind}") for text in texts)
+    except UsageError as error:
+        stated = "--flow" if asked.free_air is not None else "--capacity" if asked.capacity is not None else ""
+        what = str(error)
+        displaced = what.removeprefix("--displacement ")
+        raise UsageError(
+            what if not stated or displaced == what else f"{stated}: a displacement of {displaced}"
+        ) from None
     except SceneError as error:
         _, _, what = error.lines[0].partition(": ")
         raise UsageError(f"{two_stages.OPTION}: such stages are not possible: {what}") from None
-    chain = StageChain("", low, high, Intercooler(**two_stages.intercooler_of(kind, asked, ends)))
+    kind_between, outlet, drop = two_stages.between_of(kind, asked, ends)
+    between = Intercooler(kind=kind_between, outlet_temperature=outlet, pressure_drop=drop)
+    chain = StageChain("", low, high, between)
     return SizedStages(texts, ends, chain, run_stages(chain, warm))
 
 

@@ -30,7 +30,8 @@ COOLED, BROUGHT = 0.97, 1.1  # efficiency without friction with oil cooling; fri
 FAN_SHARE = 0.04  # of the motor
 BELTED = 22.0  # [kW] largest motor with V-belts, assumed: makers' small packages have them (Kaeser, manual of ASK T)
 GEARS = "0.01", "gears, typical"  # share of the indicated power, and comment
-BELTS = "0.044", "V-belts, 3.5 % of what they pass: 2 to 5 % (Gates), some 1.2 times the indicated power"
+WARM_BELTS = ", friction_share: 0.34"  # of bearings' friction in that of bearings and belts, at 100 and 200 m³/h
+BELTS = "0.044", "V-belts, 3.5 % of the shaft power (Gates: 2 to 5 %), which heats no oil"
 INVERTER_LOSS_SHARE = 0.03  # of the motor, lost by an inverter at its class's point: 97 % as in configs/air, assumed
 SPEEDS = 1.0, 0.86, 0.73, 0.59, 0.46, 0.32  # of full speed, on the sheet of a variable-speed package
 COMMENT_WIDTH = 110  # columns of a comment
@@ -185,7 +186,9 @@ def air(asked: SceneRequest) -> str:
         **common_values(asked, duty, size, 0.97),
         **_speeds(asked, rated, speed),
         **_place(asked, rated, f"{1e-5 * least:.3g} bar"),
-        "flooded": texts.flooded(size, LEAVES, cooler, _coolant_of_second(asked)),
+        "flooded": texts.flooded(
+            size, LEAVES, cooler, _coolant_of_second(asked), WARM_BELTS if _has_belts(asked, rated) else ""
+        ),
         "ambient": in_bar(ambient),
         "oil": oil,
         "bore": sizes.mm(sizes.bore(carried * gas_flow, OILS[oil].density_at(LEAVES), drop, 1), 2),
@@ -279,11 +282,16 @@ def _package_work(duty: Duty) -> float:
     return sizes.isentropic_work(duty.k, duty.R, duty.T, ratio) / COOLED
 
 
+def _has_belts(asked: SceneRequest, rated: float) -> bool:
+    """Tell whether belts drive a package with a motor of rated power [kW]."""
+    return not asked.variable and rated <= BELTED
+
+
 def _speeds(asked: SceneRequest, rated: float, speed: float) -> dict[str, str]:
     """Return the parts that differ between packages of fixed and variable speed, with a motor of rated power [kW]."""
     motor, alone = motor_values(rated), asked.stage is None
     if not asked.variable:
-        fraction, transmission = BELTS if rated <= BELTED else GEARS
+        fraction, transmission = BELTS if _has_belts(asked, rated) else GEARS
         return {
             "driven": texts.filled("fixed_speed", {**motor, "fraction": fraction, "transmission": transmission}),
             "sweep": "    unloaded: {intake_pressure: 0.12 bar, separator_pressure: 2.5 bar}\n" if alone else "",

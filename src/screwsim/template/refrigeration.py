@@ -15,7 +15,15 @@ from screwsim.machine.rotors.slide import fitting_slide
 from screwsim.outputs.customary import RPM, ZERO_CELSIUS, in_celsius
 from screwsim.scene import loads
 from screwsim.template import economizer, sizes, texts
-from screwsim.template.duty import COPPER_CORROSIVES, EFFICIENCIES, Duty, conditions, duty_of, motor_in_gas
+from screwsim.template.duty import (
+    COPPER_CORROSIVES,
+    EFFICIENCIES,
+    Duty,
+    conditions,
+    duty_of,
+    is_carbon_dioxide,
+    motor_in_gas,
+)
 from screwsim.template.request import SceneRequest
 
 OIL_COOLED_FROM = 350.0  # [K] after isentropic compression, from which the oil is cooled
@@ -29,6 +37,7 @@ TIGHT, LEAKED = 0.8, 1.3  # eta_s without leaks, and what these take, rather too
 CAUTION = 0.82  # of that estimate over the work beyond the built-in ratio: enough in tests/tools/fuzz_new.py --freezers
 MOTOR_EFFICIENCY = 0.92  # of a semi-hermetic motor, assumed by the source of validation/bitzer
 RISING, THIN, DENSER = 0.9, 3.6, 0.35  # ... by powers of pressure ratio and of density, at least the second [kg/m³]
+LEAKY = 0.6  # eta_s below which leaks bring a machine so much oil that its room counts, if the gas is dense
 LEAST, TOO_HOT = 0.2, 400.0  # least value of the estimate; [K] leaving a leaky machine, from which its oil is cooled
 BORE_OIL_TEMPERATURE = 333.15  # [K] of the oil in its bores
 FRICTION, OF_DISPLACED = 0.096, 1.08  # of the indicated power; ratio of that to the theoretical one at 0/40 °C
@@ -102,7 +111,7 @@ def scene_of(plant: Plant, asked: SceneRequest, blend_of: str = "") -> str:
         "bore": sizes.mm(bore, 2),
         "jet": f"{1e-5 * drop:.2g} bar",
         "transport": _transport(fluid, duty, substitute),
-        "room": texts.oil_room(duty.p_d),
+        "room": texts.oil_room(duty.p_d) if is_carbon_dioxide(fluid) or leaky < LEAKY else "",
         **texts.machine(size, asked, usual, duty.p_d / duty.p_s),
         "ports": texts.ports(size, viscosity) + texts.shafts(size, viscosity),
         "rests": _evidence_comments(fluid),

@@ -95,10 +95,13 @@ def shafts(size: sizes.Size, viscosity: str = "") -> str:
     return filled("shafts", values)
 
 
-def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None, coolant: str = "") -> str:
+def flooded(
+    size: sizes.Size, leaves: float, cooler: OilCooler | None = None, coolant: str = "", share: str = ""
+) -> str:
     """Return the entries of a flooded gas machine with an outlet temperature [K]; sizes as in configs/air.
 
     `coolant` is the temperature of what cools its oil, as stated in a scene, where that is not the gas at its inlet.
+    `share` is the entry on the friction that heats the oil, where that is not all.
     """
     big = size.diameter / 0.240
     kept, conductance = UNBOUNDED_COOLER, ""
@@ -115,6 +118,7 @@ def flooded(size: sizes.Size, leaves: float, cooler: OilCooler | None = None, co
         "leaves": f"{leaves - ZERO_CELSIUS:.0f} degC",
         "kept": kept,
         "conductance": conductance,
+        "share": share,
         "gap": sizes.um(sizes.GAP * size.clearance),
         "shaft": sizes.mm(sizes.SHAFT_DIAMETER * size.scale),
         "bearing": sizes.mm(0.147 * big),

@@ -14,7 +14,7 @@ from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import joined_names
 from screwsim.outputs.customary import ZERO_CELSIUS, in_bar
 from screwsim.template import gas, refrigeration, sizes, texts
-from screwsim.template.duty import COPPER_CORROSIVES, duty_of
+from screwsim.template.duty import COPPER_CORROSIVES, EFFICIENCIES, duty_of
 from screwsim.template.request import ATMOSPHERE, SPEED, SceneRequest, Stage
 
 OPTION, ENDING = "--two-stage", ".stages.yaml"
@@ -26,6 +26,7 @@ LEAST_RATIO, LARGEST_RATIO = (
 )  # of the outer pressures: below, one stage does it; above, each has more than 16
 OVER_DEW = 5.0  # [K] margin of cooled air above the dew point of saturated air from the inlet: assumed
 COLDEST_INLET = 275.0  # [K] from which the vapour pressure of that water is taken
+GAS_SHARE = 0.75  # of the second stage's gas that the first delivers, for an estimate
 PRESSURE_DROP = 0.1e5  # [Pa] of the cooler between two stages of air: assumed
 TOLD = {  # comment on what lies between both stages, by its kind
     "economizer": "# The vapour of a flash tank mixes into the gas between both (M202).",
@@ -149,9 +150,19 @@ def first_found(kind: str, asked: SceneRequest, ends: Ends) -> Found:
         suction = ends.cooled or gas.LEAVES
         second = flow * ends.p_s / ends.between * suction / ends.T
     else:
-        suction = constants.saturation_temperature(_refrigerant(asked), ends.between) + 10.0
+        suction = _mixed_suction(asked, ends)
         second = flow * ends.p_s / ends.between
     return Found(flow, sizes.rounded_flow(second), ends.between, suction)
+
+
+def _mixed_suction(asked: SceneRequest, ends: Ends) -> float:
+    """Return an estimate of the second stage's suction temperature [K]: gas of the first with vapour of the tank."""
+    fluid, T = _refrigerant(asked), ends.T
+    T_m, k = constants.saturation_temperature(fluid, ends.between), constants.isentropic_exponent(fluid, ends.T)
+    if fluid.lower() in COPPER_CORROSIVES:
+        return T_m  # the tank's liquid cools the gas to saturation
+    hot = T + T * ((ends.between / ends.p_s) ** ((k - 1.0) / k) - 1.0) / EFFICIENCIES[1]
+    return T_m + GAS_SHARE * max(hot - T_m, 0.0)
 
 
 def scenes_of(kind: str, asked: SceneRequest, ends: Ends, found: Found) -> tuple[str, str]:
@@ -175,19 +186,25 @@ def scenes_of(kind: str, asked: SceneRequest, ends: Ends, found: Found) -> tuple
     return refrigeration.scene_of(plant, low), refrigeration.scene_of(plant, high)
 
 
-def intercooler_of(kind: str, asked: SceneRequest, ends: Ends) -> dict[str, str | float]:
-    """Return what lies between both stages: its kind, and of a cooler its outlet [K] and pressure drop [Pa]."""
+class Between(NamedTuple):
+    """What lies between both stages: its kind, and of a cooler its outlet [K] and pressure drop [Pa]."""
+
+    kind: str
+    outlet_temperature: float | None = None
+    pressure_drop: float = 0.0
+
+
+def between_of(kind: str, asked: SceneRequest, ends: Ends) -> Between:
+    """Return what lies between both stages."""
     if kind == COOLING:
-        return {"kind": "flash_intercooler" if _refrigerant(asked).lower() in COPPER_CORROSIVES else "economizer"}
-    if ends.cooled is None:
-        return {"kind": "none"}
-    return {"kind": "cooler", "outlet_temperature": ends.cooled, "pressure_drop": PRESSURE_DROP}
+        return Between("flash_intercooler" if _refrigerant(asked).lower() in COPPER_CORROSIVES else "economizer")
+    return Between("none") if ends.cooled is None else Between("cooler", ends.cooled, PRESSURE_DROP)
 
 
 def stages_text(kind: str, asked: SceneRequest, ends: Ends, names: Names) -> str:
     """Return the text of the file that joins both scenes."""
-    between = intercooler_of(kind, asked, ends)
-    entry = f"kind: {between['kind']}"
+    between = between_of(kind, asked, ends)
+    entry = f"kind: {between.kind}"
     if ends.cooled is not None:
         cooled = f"{ends.cooled - ZERO_CELSIUS:g} degC"
         entry += f", outlet_temperature: {cooled}, pressure_drop: {1e-5 * PRESSURE_DROP:g} bar"
@@ -199,7 +216,7 @@ def stages_text(kind: str, asked: SceneRequest, ends: Ends, names: Names) -> str
         "title": f"{'Air package' if kind == AIR else f'Refrigeration plant, {fluid}'}, {lines}, two stages",
         "low": names.low,
         "high": names.high,
-        "told": TOLD[str(between["kind"])],
+        "told": TOLD[between.kind],
         "intercooler": entry,
         "sweep": _sweep(asked) if asked.variable else "",
     }

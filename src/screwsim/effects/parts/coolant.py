@@ -35,12 +35,12 @@ class Coolant:
     )
     flow: float | None = quantity("volume_flow", "its volume flow, as it enters", None, gt=0.0)
 
-    def figures(self, heat: float | str, air: float) -> Given:
+    def figures(self, heat: float | str | None, air: float) -> Given:
         """Return flow [m³/s] and rise [K] by the heat [W] that leaves; `air` is ρ c_p [J/(m³ K)] of the room's air.
 
         A heat that is a text says why there is none.
         """
-        if isinstance(heat, str) or not heat > 0.0:
+        if heat is None or isinstance(heat, str) or not heat > 0.0:
             return dict.fromkeys((FLOW, RISE), heat if isinstance(heat, str) else NO_HEAT)
         per_kelvin = air if self.medium == AIR else WATER_HEAT
         if self.temperature_rise is not None:

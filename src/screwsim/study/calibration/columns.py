@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from screwsim.figures import known
-from screwsim.figures.curves import Reading, reading_of
+from screwsim.figures.curves import Reading, effects_with_trace, reading_of
 from screwsim.inputs.declare import Kind
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.sheets import Row, name_and_unit
@@ -159,12 +159,15 @@ def _column(name: str, unit: str, scene: Scene, taken: Sequence[str], candidates
     filed, figures = curve_of_files(of) is not None, _figures(scene)
     if filed and candidates:
         raise Refused("is for measured pressures, and nothing is measured here yet (remove it)")
+    figure = _figure_of(of)
+    reading = reading_of(figure)
+    givers = [] if reading is None else effects_with_trace(reading.curve)
+    if givers and not scene.effects.keys() & set(givers):
+        raise Refused(f"is a curve of effects.{' or '.join(givers)}, which the scene lacks (name it, or remove this)")
     if filed and of == name:
         if unit:
             raise Refused(f"names files, which state their unit (write {name} without [{unit}])")
         return Column("file", name, unit)
-    figure = _figure_of(of)
-    reading = reading_of(figure)
     if reading is not None and figure != reading.figure:
         raise Refused(f"is not known (write {name.replace(figure, reading.figure)})")
     if figure in figures or reading is not None:

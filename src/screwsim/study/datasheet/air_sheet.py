@@ -152,7 +152,8 @@ def _lines(scene: Scene, rated: Rating) -> Iterator[tuple[str, str]]:
                 alone = f"the air alone at {units.degrees(found[GAS_OUT], '.1f')}"
                 yield "mixture", f"air and oil at {units.degrees(mixed, '.1f')}, {alone}"
             if (flow := found.get(COOLANT)) is not None:
-                what = f"{units.quantity('m3 s-1', flow)} of {package.coolant.medium}"
+                shown = units.swept.factor * flow
+                what = f"{shown:{'.0f' if shown > 100.0 else '.3g'}} {units.swept.unit} of {package.coolant.medium}"
                 yield "coolant", f"{what}, warmed by {units.difference(found[COOLANT_RISE])}, at full flow"
             yield "outlet", f"air at {units.degrees(found['package_discharge_temperature'], '.1f')}"
         if humid:
