@@ -8,6 +8,7 @@ import pytest
 import relations
 from effects_space import scene_of
 from relating import LAWS, Case, Pair
+from relation_figures import _bound as bound_of
 
 from screwsim.figures import Performance
 
@@ -37,7 +38,7 @@ def test_figures_of_a_result_are_sums_quotients_and_balances_of_each_other(struc
 @pytest.mark.parametrize(("which", "law"), [(which, law) for which, laws in DRAWN.items() for law in laws])
 def test_a_machine_and_one_that_a_law_ties_to_it_agree_within_what_both_tell(which, law):
     pairs, lost = relations.asked(LAWS[law], drawn(*which))
-    assert pairs, lost
+    assert pairs and all(pairs), lost
     assert lost == ""
     assert [each.what for pair in pairs for each in pair if each.off > relations.FAR] == []
 
@@ -52,6 +53,16 @@ def test_a_figure_that_is_off_by_more_than_it_tells_breaks_a_law():
     assert found.figure in ("shaft_power", "shaft_torque")  # whose error is that of the power
     assert found.off > relations.FAR
     assert max(relations.off(Pair("again", result, result), case.scene.numerics.accuracy)).off == 0.0
+
+
+def test_a_figure_that_is_no_number_breaks_a_law():
+    case = drawn("part load", 0)
+    result = case.result
+    figures = {**result.performance, "shaft_power": math.nan}
+    wrong = replace(result, performance=Performance(figures, result.performance.about))
+    assert max(relations.off(Pair("again", result, wrong), case.scene.numerics.accuracy)).off == math.inf
+    (bound,) = relations.off(bound_of(result, "shaft_power", math.nan, 1.0, 1e-3), case.scene.numerics.accuracy)
+    assert bound.off == math.inf
 
 
 def test_what_no_scene_may_cause_is_told_as_a_broken_law():

@@ -103,7 +103,7 @@ def sums_and_quotients(case: Case) -> Iterator[Pair]:
 
 
 def _above(found: float, most: float, size: float) -> float:
-    return max(0.0, found - most) / max(1e-3 * abs(size), 1e-300)
+    return max(found - most, 0.0) / max(1e-3 * abs(size), 1e-300)
 
 
 @law
@@ -272,7 +272,7 @@ def second_law(case: Case) -> Iterator[Pair]:
             continue  # its coolant is colder than the surroundings
         if not may_gain and not (name == "suction_line" and name not in scene.effects):
             words = f"{name} destroys {x:.6g} W of {size:.6g}"
-            yield Pair(words, result, result, broken=max(0.0, -x) / (accuracy * size * BOUND))
+            yield Pair(words, result, result, broken=max(-x, 0.0) / (accuracy * size * BOUND))
 
 
 @law
@@ -304,4 +304,4 @@ def bounds(case: Case) -> Iterator[Pair]:
 
 
 def _bound(result: Result, what: str, found: float, most: float, may: float) -> Pair:
-    return Pair(f"{what} {found:.9g}, at most {most:.9g}", result, result, broken=max(0.0, found - most) / may)
+    return Pair(f"{what} {found:.9g}, at most {most:.9g}", result, result, broken=max(found - most, 0.0) / may)

@@ -221,7 +221,7 @@ def wider_leak(case: Case) -> Iterator[Pair]:
         raise NotAsked("no flow")
     may = sum(each.error.get("gas_mass_flow") or 0.0 for each in (here, wide)) + 0.05 * 3e-4
     filling = abs(one) / max(abs(here.performance.volumetric_efficiency or 0.0), 1e-12)
-    gain = max(0.0, other - one) / max(abs(one), 0.1 * filling)
+    gain = max(other - one, 0.0) / max(abs(one), 0.1 * filling)
     yield Pair(f"wider {path}: flow {other} of {one}", here, wide, broken=max(0.0, gain - LET_OUT) / may)
 
 

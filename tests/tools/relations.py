@@ -85,7 +85,7 @@ def told(one: Result, other: Result, accuracy: float) -> dict[str, float]:
 def off(pair: Pair, accuracy: float) -> list[Broken]:
     """Return how far each figure of a pair is from its law, over what both results tell."""
     if pair.broken is not None:
-        return [Broken(pair.broken, pair.what, pair.what)]
+        return [Broken(_number(pair.broken), pair.what, pair.what)]
     one, other = pair.expected, pair.found
     allowed = told(one, other, accuracy)
     found = []
@@ -93,8 +93,14 @@ def off(pair: Pair, accuracy: float) -> list[Broken]:
         if size is None or name not in allowed or (pair.only and name not in pair.only) or name in pair.without:
             continue
         words = f"{pair.what}: {name} {other.performance[name]:.9g}, not {one.performance[name]:.9g}"
-        found.append(Broken(max(0.0, size - pair.slack) / allowed[name], name, f"{words} (off by {size:.2g})"))
+        beyond = _number(max(size - pair.slack, 0.0) / allowed[name])
+        found.append(Broken(beyond, name, f"{words} (off by {size:.2g})"))
     return found
+
+
+def _number(beyond: float) -> float:
+    """Return how far a pair is from its law; infinity where that is no number, as of figures that are none."""
+    return math.inf if math.isnan(beyond) else beyond
 
 
 def asked(law: Law, case: Case) -> tuple[list[list[Broken]], str]:
@@ -116,10 +122,11 @@ def asked(law: Law, case: Case) -> tuple[list[list[Broken]], str]:
 
 
 def summary(rows: Mapping[str, list[list[Broken]]]) -> Iterator[str]:
-    """Yield a line for each law: pairs, compared figures, how many are beyond what is told, and the worst."""
+    """Yield a line for each law: pairs (or that it has none), figures, how many are beyond what is told, the worst."""
     for law, pairs in rows.items():
         figures = [each for pair in pairs for each in pair]
         if not figures:
+            yield f"{law}: no pairs"
             continue
         beyond, far = (sum(any(each.off > most for each in pair) for pair in pairs) for most in (1.0, FAR))
         worst = max(figures)

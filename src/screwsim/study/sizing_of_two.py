@@ -23,7 +23,8 @@ from screwsim.template.two_stages import AIR, Ends, Found
 DELIVERED, COOLS = "free_air_delivered", "cooling_capacity"
 NEAR, TRIES = 1e-3, 8  # relative tolerance of what is delivered, and number of pairs of sizes tried
 FIRM, ROUNDED = 3, 5e-3  # numbers of scenes are rounded, so that sizes jump: the tolerance after so many tries
-EQUAL = 0.02  # relative tolerance of the pressure between both
+EQUAL, NEARLY = 0.02, 0.05  # relative tolerance of the pressure between both, and that after FIRM tries
+WIDER, TIMES = 1.3, 2  # by how much the second stage grows where it cannot take the first one's gas, and how often
 
 
 class SizedStages(NamedTuple):
@@ -40,18 +41,22 @@ def sized_stages(kind: str, asked: SceneRequest) -> SizedStages:
     ends = two_stages.ends_of(kind, asked)
     figure, wanted = (DELIVERED, asked.free_air) if kind == AIR else (COOLS, asked.capacity)
     found = two_stages.first_found(kind, asked, ends)
+    wider = TIMES
     for count in range(TRIES):
         both = _solved(kind, asked, ends, found, warm=True)
         p = both.result.performance
         value = p.get(figure) if both.result.status == "ok" else None
+        if both.result.status == "failed" and wider:
+            found, wider = found._replace(second=rounded_flow(WIDER * found.second)), wider - 1
+            continue
         if not value or value <= 0.0:
             why = both.result.message or f"no {figure.replace('_', ' ')}"
             what = f"the machines tried for {ends.low}/{ends.high} do not run: {why}"
             raise UsageError(f"{two_stages.OPTION}: {what} (choose another --condition, --speed or size)")
         share, between = 1.0 if wanted is None else wanted / value, p["intermediate_pressure"]
-        near = NEAR if count < FIRM else ROUNDED
+        near, equal = (NEAR, EQUAL) if count < FIRM else (ROUNDED, NEARLY)
         settled = Found(found.first, found.second, between, p["second_suction_temperature"])
-        if abs(share - 1.0) <= near and abs(between / ends.between - 1.0) <= EQUAL:
+        if abs(share - 1.0) <= near and abs(between / ends.between - 1.0) <= equal:
             powers = (p["first_shaft_power"], p["second_shaft_power"])
             return _solved(kind, asked, ends, settled._replace(loads=powers))
         flows = found.first * share, found.second * share * between / ends.between
