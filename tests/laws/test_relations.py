@@ -15,8 +15,8 @@ from screwsim.figures import Performance
 OF_ONE_RESULT = ("sums_and_quotients", "properties", "first_law", "packages", "second_law", "bounds")
 DRAWN = {  # structure of effects_space.py, number of its scene: laws that tie it to another
     ("part load", 0): ("wider_leak", "losses_add", "similar"),
-    ("bypass", 1): ("changed_intake", "asked_otherwise", "hotter"),
-    ("displaced", 0): ("found_values",),
+    ("bypass", 1): ("asked_otherwise", "hotter"),
+    ("displaced", 0): ("found_values", "changed_intake"),
     ("oil circuit", 0): ("found_values",),
 }
 SEED = 51

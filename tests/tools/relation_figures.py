@@ -268,6 +268,8 @@ def second_law(case: Case) -> Iterator[Pair]:
         may_gain = name in GIVERS or name.endswith("_plenum") or name == LAWLESS
         if name in (*INFLOW, "discharge_line") and p_flow <= 0.0:
             continue  # for inflow alone, as a warning says
+        if name == "oil_cooler" and (result.performance.get("oil_supply_temperature") or T_0) < T_0:
+            continue  # its coolant is colder than the surroundings
         if not may_gain and not (name == "suction_line" and name not in scene.effects):
             words = f"{name} destroys {x:.6g} W of {size:.6g}"
             yield Pair(words, result, result, broken=max(-x, 0.0) / (accuracy * size * BOUND))

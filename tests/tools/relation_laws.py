@@ -71,6 +71,7 @@ NEUTRAL: dict[str, dict[str, Any]] = {  # effects at the value at which they do 
     },
 }
 OF_SEPARATOR = "heating_capacity", "heating_cop", "electrical_heating_cop"  # with one, after gas and oil have mixed
+LET_OUT = 1e-3  # of the flow: what a wider leak may let out of the last of a chamber, which would expand to suction
 SPLIT = {
     "tip_leakage": "tip",
     "interlobe_leakage": "interlobe",
@@ -204,7 +205,7 @@ def lobes(case: Case) -> Iterator[Pair]:
 
 @law
 def wider_leak(case: Case) -> Iterator[Pair]:
-    """A wider leak does not increase the delivered flow."""
+    """A wider leak does not increase the delivered flow, but for what it lets out of a chamber that is closing."""
     here = case.result
     there = {path: by for path, by in LEAKS.items() if isinstance(case.value(path), float) and case.value(path)}
     if (
@@ -221,7 +222,7 @@ def wider_leak(case: Case) -> Iterator[Pair]:
     may = sum(each.error.get("gas_mass_flow") or 0.0 for each in (here, wide)) + 0.05 * 3e-4
     filling = abs(one) / max(abs(here.performance.volumetric_efficiency or 0.0), 1e-12)
     gain = max(other - one, 0.0) / max(abs(one), 0.1 * filling)
-    yield Pair(f"wider {path}: flow {other} of {one}", here, wide, broken=gain / may)
+    yield Pair(f"wider {path}: flow {other} of {one}", here, wide, broken=max(0.0, gain - LET_OUT) / may)
 
 
 @law

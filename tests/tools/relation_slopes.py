@@ -22,7 +22,7 @@ from screwsim.study.uncertainty.slopes import numeric_paths
 E = math.e
 SIZE, MASS = {"kg": E**3, "m": E, "s": E}, {"kg": E, "m": 1.0, "s": 1.0}
 APART = 1e-3  # of the sum of what is added up
-NOTHING = 1e-4  # of what a figure's error is relative to: slopes that are rounding
+LEAST = 1e-2  # percent per percent: what counts for less is compared with that, as in `derivatives.py`
 VISCOUS = "droplets", "wall_heat", "cylinder_heat"  # by CoolProp's conductivity, which no number of a scene scales
 
 
@@ -57,7 +57,7 @@ def slopes_add(case: Case) -> Iterator[Pair]:
                 continue
             own = math.log(factor(about[name].units, group)) * value
             size = sum(map(abs, terms)) + abs(own)
-            least = NOTHING * error_scale(name, about[name].scale, zeros_for_none(result.performance))
-            off = abs(sum(terms) - own) / size if size > least else 0.0
+            least = LEAST * error_scale(name, about[name].scale, zeros_for_none(result.performance))
+            off = abs(sum(terms) - own) / max(size, least, 1e-300)
             words = f"{what}: {name} {value:.6g}, slopes add up to {sum(terms):.6g}, not {own:.6g}"
             yield Pair(words, result, result, broken=off / APART)
