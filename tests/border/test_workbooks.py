@@ -193,3 +193,9 @@ def test_a_workbook_of_something_else_is_not_replaced(tmp_path):
     protect_other_heads(path, lambda heads: "status" in heads)
     path.write_bytes(b"")  # such as programs create in advance
     protect_other_heads(path, lambda heads: "status" in heads)
+
+
+def test_faults_name_a_cell_of_a_worksheet_by_its_column(tmp_path):
+    (row,) = read_sheet(book_of(tmp_path / "x.xlsx", ["a", "b", "c"], ["one, two", None, 3])).rows
+    assert row.places == (1, 2, 3)
+    assert sheet_of('a,b,c\n"one, two",,3\n').rows[0].places == (1, 12, 13)

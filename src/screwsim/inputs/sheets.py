@@ -42,12 +42,27 @@ class BadSheet(Exception):
 
 @dataclass(frozen=True)
 class Row:
-    """One row: its line number in the file, the line itself, its cells without surrounding blanks, their separator."""
+    """One row: its line number in the file, the line itself, its cells without surrounding blanks, their separator.
+
+    Cells of a worksheet have no separator, '', and its lines are those of a CSV file with the same cells.
+    """
 
     line: int
     text: str
     cells: tuple[str, ...]
     mark: str = COMMA
+
+    @property
+    def places(self) -> tuple[int, ...]:
+        """The place of each cell in the line, by which faults name it; in a worksheet the number of its column."""
+        if not self.mark:
+            return tuple(range(1, len(self.cells) + 1))
+        starts, quoted = [1], False
+        for place, letter in enumerate(self.text):  # marks inside quotes do not separate cells
+            quoted ^= letter == '"'
+            if letter == self.mark and not quoted:
+                starts.append(place + 2)
+        return tuple(starts)
 
 
 @dataclass(frozen=True)
@@ -123,7 +138,7 @@ def _sheet_of_workbook(path: str | os.PathLike[str]) -> Sheet:
         found = rows_of_workbook(path, REMARK)
     except BadCell as fault:
         raise BadSheet(str(fault), fault.row) from None
-    every = [Row(number, _as_line(cells), tuple(cells)) for number, cells in found]
+    every = [Row(number, _as_line(cells), tuple(cells), "") for number, cells in found]
     rows = [row for row in every if not row.cells[0].startswith(REMARK)]
     if not rows:
         return Sheet(Row(1, "", ()), ())
@@ -241,7 +256,7 @@ def _check_remark(number: int, line: str, head: Row) -> None:
     if number < head.line or not NUMBERED.match(text):
         return
     try:
-        count = len(_row(number, text, head.mark).cells)
+        count = len(_row(number, text, head.mark or COMMA).cells)
     except BadSheet:
         return
     if count == len(head.cells):

@@ -1,7 +1,7 @@
 """Columns of the measured points of a fit: what a head means, and the values below it in SI units."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -76,17 +76,7 @@ def _figure_of(column: str) -> str:
 
 def cells_of(row: Row, start: Position) -> list[tuple[str, Position]]:
     """Return the cells of a row with their places."""
-    return [(cell, start.at(row.line, at)) for cell, at in zip(row.cells, _starts(row), strict=False)]
-
-
-def _starts(row: Row) -> Iterator[int]:
-    """Yield the column at which each cell of a row begins; marks inside quotes do not separate cells."""
-    yield 1
-    quoted = False
-    for place, letter in enumerate(row.text):
-        quoted ^= letter == '"'
-        if letter == row.mark and not quoted:
-            yield place + 2
+    return [(cell, start.at(row.line, at)) for cell, at in zip(row.cells, row.places, strict=False)]
 
 
 def read_columns(
