@@ -18,7 +18,7 @@ BOUNDED_COOLER = (
     "both rise together.\n  # {basis}; at 40 degC, up to which packages are usually made to run,\n  # "
     "80 to 95 degC follow."
 )
-DENSE = 25e5  # [Pa] discharge pressure from which oil takes up room: 1 to 9 points of lambda of screws on CO2
+DENSE = 25e5  # [Pa] discharge pressure from which oil takes up room: 1 to 2.5 points of lambda of new screws on CO2
 
 
 class OilCooler(NamedTuple):
