@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from screwsim.cli.declare import CHANGES, argument, option, switch
 from screwsim.inputs.faults import UsageError
 from screwsim.inputs.suggestions import counted
+from screwsim.inputs.workbooks import TABLES
 from screwsim.screen import say
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ OK, INTERNAL, USAGE, BAD_SCENE, NOT_ALL_OK, INTERRUPTED = 0, 1, 2, 3, 4, 130
 
 RESULTS = (".h5", ".hdf5", ".hdf", ".nc", ".nc4")  # HDF5, and netCDF-4, which is HDF5
 PAGES = (".html", ".htm")
-FILES = {*RESULTS, *PAGES, ".csv", ".json", ".yaml", ".yml", ".png", ".pdf", ".svg", ".txt", ".md", ".xlsx", ".dxf"}
+FILES = {*RESULTS, *PAGES, *TABLES, ".json", ".yaml", ".yml", ".png", ".pdf", ".svg", ".txt", ".md", ".dxf"}
 
 _done = ""  # what the interrupted command had done
 
@@ -145,7 +146,7 @@ def check_results(output: Path) -> None:
     if output.suffix and output.suffix.lower() not in RESULTS:
         good = output.with_suffix(RESULTS[0])
         also = "; screwsim report makes a page of it" if output.suffix.lower() in PAGES else ""
-        also = "; screwsim export cases makes a table of it" if output.suffix.lower() in (".csv", ".xlsx") else also
+        also = "; screwsim export cases makes a table of it" if output.suffix.lower() in TABLES else also
         what = f"results are HDF5, so the name must end in {', '.join(RESULTS)}"
         raise UsageError(f"-o {output}: {what} (write -o {good}{also})")
     if output.is_dir():
@@ -180,7 +181,6 @@ def check_target(output: Path | None, *endings: str) -> None:
 
 def check_columns(output: Path | None, title: str, *names: str) -> None:
     """Raise UsageError unless the file name has an ending of columns, and any file there holds such columns."""
-    from screwsim.results.tables import TABLES
     from screwsim.study.columns import protect_other_columns
 
     check_target(output, *TABLES, ".h5")

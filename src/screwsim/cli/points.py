@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from screwsim.study.uncertainty.measured import MeasuredFigure
 
 
-SHEETS = (".csv", ".xlsx", ".html", ".pdf")  # endings of the points of two stages, beside those of results
+SHEETS = (*options.TABLES, ".html", ".pdf")  # endings of the points of two stages, beside those of results
 
 
 def run(

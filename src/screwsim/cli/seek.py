@@ -46,7 +46,7 @@ def find(
     asked = question(scene, vary or (), goals or (), catalogue or ())
     varied = [span.path for span in asked.spans]
     several = case_count(without_axes(scene, varied)) > 1
-    table = output is not None and output.suffix.lower() in (".csv", ".xlsx", ".h5")
+    table = output is not None and output.suffix.lower() in (*options.TABLES, ".h5")
     if table:
         options.check_columns(output, "goal seek", "solutions", "failed_solutions", "status", "message")
     if output is not None and not table:
@@ -203,7 +203,7 @@ def plan(
     as_json: bool = AS_JSON,
 ) -> int:
     """Choose further operating points whose measurement would fix the parameters of a fit best."""
-    options.check_target(output, ".csv", ".xlsx")
+    options.check_target(output, *options.TABLES)
     from screwsim.printing.plan import plan_document, print_plan, protect_measured, write_plan
     from screwsim.study.calibration import read_fit
     from screwsim.study.calibration.plan import LEVELS, candidates_of

@@ -75,7 +75,7 @@ def performance_map(
     from screwsim.study.maps.performance_map import performance_maps
 
     results = open_results(results_file)
-    options.check_target(output, ".csv", ".xlsx", ".json")
+    options.check_target(output, *options.TABLES, ".json")
     if output is not None:
         printed.protect_other_maps(output)
     maps = performance_maps(results, tuple(dict.fromkeys(figures or ())))
@@ -188,7 +188,7 @@ def _local_sensitivity(
     from screwsim.study.asked.figures import figure_of
     from screwsim.study.uncertainty.point import sensitivities
 
-    if output is not None and not isinstance(scene, Scene) and output.suffix.lower() not in (".csv", ".xlsx"):
+    if output is not None and not isinstance(scene, Scene) and output.suffix.lower() not in options.TABLES:
         raise UsageError(f"-o {output}: derivatives of two stages are a table (write -o {output.with_suffix('.csv')})")
     if output is not None and output.suffix.lower() == ".h5":
         options.check_place(output)

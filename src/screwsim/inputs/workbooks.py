@@ -9,13 +9,13 @@ import io
 import os
 import re
 import warnings
-import zipfile
 from collections.abc import Iterator
 from typing import Any
 
 from screwsim.inputs.textfiles import MOST_TABLE, Unreadable, read_bytes
 
 WORKBOOK = ".xlsx"
+TABLES = (".csv", WORKBOOK)  # endings of tables
 OTHER_WORKBOOKS = (".xls", ".xlsm", ".xlsb", ".ods", ".numbers")  # of spreadsheet programs, and not read
 NEEDS = "a workbook needs openpyxl: pip install 'screwsim[excel]', or save the table as CSV"
 NOT_ONE = "it is not a workbook ({})"
@@ -93,6 +93,8 @@ def _rows(content: bytes, values: bool) -> Iterator[tuple[int, Cells]]:
 
 def _has_formulas(content: bytes) -> bool:
     """Tell whether any worksheet has a formula; raise Unreadable where a file is none, or too large."""
+    import zipfile  # commands import this module for its endings of names
+
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as packed:
             parts = packed.infolist()

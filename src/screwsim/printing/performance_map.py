@@ -7,6 +7,7 @@ from typing import Any
 
 from screwsim.figures.engineering import engineering, shown_name
 from screwsim.inputs.suggestions import counted
+from screwsim.inputs.workbooks import TABLES
 from screwsim.outputs.customary import ZERO_CELSIUS
 from screwsim.printing import write_json
 from screwsim.printing.tables import print_scene_title, print_table, print_text
@@ -16,7 +17,6 @@ from screwsim.results.fluid_name import fluid_name
 from screwsim.results.group import OWN
 from screwsim.results.left_out import left_out_words, parts_left_out
 from screwsim.results.protection import protect_other_json
-from screwsim.results.tables import TABLES
 from screwsim.results.warning_kinds import warning_kinds
 from screwsim.screen import say
 from screwsim.study.columns import Column, protect_other_columns, write_columns

@@ -7,10 +7,10 @@ from typing import Any
 from screwsim.figures import declared
 from screwsim.figures.engineering import difference_unit, figure_text, shown_name
 from screwsim.inputs.suggestions import counted
+from screwsim.inputs.workbooks import TABLES
 from screwsim.outputs.derivatives import DIFFERENCES, PACKAGE_FIGURES
 from screwsim.outputs.display import grouped, picked
 from screwsim.printing.tables import print_scene_title, print_table, print_text, print_wrapped
-from screwsim.results.tables import TABLES
 from screwsim.results.write import save
 from screwsim.scene import Scene
 from screwsim.screen import say

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.workbooks import TABLES
 from screwsim.report.datasheet_csv import check_table, write_table
 from screwsim.results.atomic import check_writable, make_folder, write_text
 from screwsim.results.protection import PAGE, PDF, protect_unmarked
-from screwsim.results.tables import TABLES, check_workbook
+from screwsim.results.tables import check_workbook
 from screwsim.version import version
 
 WIDE, HIGH = 640.0, 300.0  # size of a drawing

@@ -6,11 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from screwsim.inputs.faults import UsageError
-from screwsim.inputs.workbooks import NEEDS, WORKBOOK, is_workbook
+from screwsim.inputs.workbooks import NEEDS, TABLES, is_workbook
 from screwsim.results.atomic import replacing, write_csv
 from screwsim.version import version
 
-TABLES = (".csv", WORKBOOK)
 NARROWEST, WIDEST = 8, 28  # characters, of the columns of a workbook
 LINE_HEIGHT = 15.0  # points
 MOST_LINES = 1_048_576  # of a worksheet

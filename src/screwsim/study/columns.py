@@ -7,13 +7,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from screwsim.figures import declared
+from screwsim.inputs.workbooks import TABLES
 from screwsim.outputs import Variable
 from screwsim.results.atomic import make_folder, replacing
 from screwsim.results.guarded import new_hdf5
 from screwsim.results.netcdf import Layout, number_attributes, set_attributes, text_lines
 from screwsim.results.protection import protect_other_hdf5, protect_other_heads
 from screwsim.results.schema import variable_name
-from screwsim.results.tables import TABLES, write_table
+from screwsim.results.tables import write_table
 from screwsim.scene.fields import Leaf
 from screwsim.scene.grid import unit_of
 from screwsim.version import version

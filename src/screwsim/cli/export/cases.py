@@ -25,7 +25,7 @@ def cases(
     as_json: bool = AS_JSON,
 ) -> int:
     """Write every case of a results file as a row: varied paths, status, all figures."""
-    options.check_target(output, ".csv", ".xlsx")
+    options.check_target(output, *options.TABLES)
     from screwsim.export.cases import case_columns, protect_other_cases, write_cases
     from screwsim.printing import print_json
     from screwsim.results import open_results

@@ -14,13 +14,13 @@ import numpy as np
 
 from screwsim.figures import declared
 from screwsim.inputs.faults import UsageError
+from screwsim.inputs.workbooks import TABLES
 from screwsim.outputs import STATUSES, names_of
 from screwsim.results.atomic import has_content
 from screwsim.results.identity import differences, installed_version, unpacked
 from screwsim.results.optimum import EVALUATION, EXCESS_MEANING, FLAGS, POINT, EvaluationColumns, write_optimum
 from screwsim.results.read import read_attributes
 from screwsim.results.schema import Axis, Subject, axis_of, digest, subject_of
-from screwsim.results.tables import TABLES
 from screwsim.results.write import Draft
 from screwsim.scene import Scene
 from screwsim.scene.grid import unit_of
