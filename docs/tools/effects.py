@@ -171,12 +171,14 @@ BELL = "Bell et al. 2013"
 SLOWED, FILLED = "oil carried along slows the gas to 71 %", "oil that fills the gap seals it"
 FRICTION = ("model=nozzle_friction", "flow_coefficient=1")
 SEALED = "model=oil_sealed"
+THIN = ("mixture_viscosity=mcadams", "mixture_friction=blasius")
 effects_gaps = {
     name: Entry(REAL, held(*words), (), source, says, leak_change, ())
     for name, words, source, says in (
         ("nozzle_friction, radial", (*FRICTION, "friction_fit=radial"), BELL, friction_says(radial_divisor)),
         ("nozzle_friction, flank", (*FRICTION, "friction_fit=flank"), BELL, friction_says(flank_divisor)),
         ("oil_sealed, mcadams", (SEALED, "mixture_viscosity=mcadams"), "M192: 1/√(1 + x), x = 1", SLOWED),
+        ("oil_sealed, mcadams, blasius", (SEALED, *THIN), "M192, M193", "Re above 2043: more friction than laminar"),
         ("oil_sealed, cicchitti", (SEALED, "mixture_viscosity=cicchitti"), "M192, M193", FILLED),
         ("oil_film", ("model=oil_film", "filled_from=0.1"), "M250, M251, M256", "no gas where there is oil"),
     )

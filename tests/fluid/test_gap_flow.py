@@ -66,24 +66,36 @@ def test_oil_seals_by_its_viscosity():
     assert thick < 0.002 < 0.1 < thin
 
 
-def test_a_gap_with_a_mixture_as_thin_as_gas_would_be_turbulent():
-    """M192 has laminar friction, f = 96/Re, at any Re = 2 δ G_m/μ_m. Blasius's in its place: as docs/model.md says."""
-    gap, choke = 26e-6, nozzle.choking(1.1)
+def of_gas_and_oil(kernel, flux, gap=26e-6, x=1.0):
+    """Return the flux of gas and oil that passes, and its Re = 2 δ G_m/μ_m by McAdams' viscosity."""
+    passed = (1.0 + x) * flux * kernel(flux, x, 45.0, gap, PASSAGE, MU, MU_OIL, 0.0)
+    return passed, 2.0 * gap * passed / ((1.0 + x) / (1.0 / MU + x / MU_OIL))
+
+
+def test_a_gap_with_a_mixture_as_thin_as_gas_is_turbulent_by_blasius():
+    """M192 has laminar friction, f = 96/Re, at any Re. Blasius's in its place: as docs/model.md says."""
+    choke = nozzle.choking(1.1)
     gas = (45.0, 1.0 / 1.1, *choke)
     flux = nozzle.flow(1.0, 8e5, *gas, 10e5, *gas, 0.0)
-
-    def passed(kernel):
-        return 2.0 * flux * kernel(flux, 1.0, 45.0, gap, PASSAGE, MU, MU_OIL, 0.0)  # of gas and oil, x = 1
-
-    thin = 2.0 * gap / (2.0 / (1.0 / MU + 1.0 / MU_OIL))  # 2 δ/μ_m
     frictionless = flux * math.sqrt(2.0)
-    share = 1.0
-    for _ in range(20):  # G_h² = G_m² (1 + f L/(2 δ))
-        share = (1.0 + 0.3164 * (thin * share * frictionless) ** -0.25 * PASSAGE / (2.0 * gap)) ** -0.5
-    laminar = passed(gap_flow.mcadams_mixture)
-    assert thin * laminar == pytest.approx(9500.0, abs=50.0)
-    assert (laminar / frictionless, share) == pytest.approx((0.85, 0.66), abs=5e-3)
-    assert 2.0 * gap * passed(gap_flow.cicchitti_mixture) / (0.5 * (MU + MU_OIL)) < 1.0
+    laminar, Re = of_gas_and_oil(gap_flow.mcadams_mixture, flux)
+    turbulent, _ = of_gas_and_oil(gap_flow.mcadams_blasius, flux)
+    assert pytest.approx(9500.0, abs=50.0) == Re
+    assert (laminar / frictionless, turbulent / frictionless) == pytest.approx((0.85, 0.66), abs=5e-3)
+    thick, _ = of_gas_and_oil(gap_flow.cicchitti_mixture, flux)
+    assert 2.0 * 26e-6 * thick / (0.5 * (MU + MU_OIL)) < 1.0
+    assert of_gas_and_oil(gap_flow.cicchitti_blasius, flux)[0] == thick
+
+
+@each_row("gap", [10e-6, 26e-6, 100e-6])
+@each_row("flux", [3.0, 100.0, 1000.0, 2e4])
+def test_entry_and_the_larger_friction_take_the_dynamic_pressure_of_the_frictionless_mixture(flux, gap):
+    """G_h² = G_m² (1 + f L/(2 δ)), f the larger of 96/Re and 0.3164 Re^(-1/4)."""
+    passed, Re = of_gas_and_oil(gap_flow.mcadams_blasius, flux, gap)
+    f = max(96.0 / Re, 0.3164 * Re**-0.25)
+    assert passed**2 * (1.0 + f * PASSAGE / (2.0 * gap)) == pytest.approx(2.0 * flux**2, rel=1e-7)
+    laminar, _ = of_gas_and_oil(gap_flow.mcadams_mixture, flux, gap)
+    assert (passed < laminar) == (Re > 2043.0)
 
 
 def test_with_room_the_homogeneous_mixture_is_exact():

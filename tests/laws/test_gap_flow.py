@@ -79,10 +79,22 @@ def test_oil_in_the_blow_hole_slows_the_gas_by_its_inertia(ratio):
         assert abs(mixed.performance[name] - smaller.performance[name]) < 0.1 * moved, name
 
 
+def test_turbulent_friction_holds_back_thin_mixtures_alone():
+    """By McAdams' viscosity the mixture is thin and fast; by Cicchitti's it creeps, and laminar friction is larger."""
+    for rule in ("mcadams", "cicchitti"):
+        laminar, turbulent = (
+            held(tip_leakage__mixture_viscosity=rule, **more).performance.isentropic_efficiency
+            for more in ({}, {"tip_leakage__mixture_friction": "blasius"})
+        )
+        assert turbulent > laminar + 1e-3 if rule == "mcadams" else turbulent == laminar
+
+
 def test_explain_names_the_model_of_each_gap():
     text = " ".join(str(explain(make(HELD_GAPS))).split())
     assert "mixture of gas and oil, viscosity by cicchitti (M192, M193)" in text
     assert "friction by Bell et al., flank fit (M191)" in text
+    turbulent = str(explain(make({**HELD_GAPS, "effects.tip_leakage.mixture_friction": "blasius"})))
+    assert "viscosity by cicchitti, friction by blasius (M192, M193)" in " ".join(turbulent.split())
     assert "friction" not in str(explain(make())).partition("Flow paths")[2].partition("Gas")[0]
 
 
@@ -92,6 +104,7 @@ def test_explain_names_the_model_of_each_gap():
         ({"effects.tip_leakage.passage": "2 mm"}, "effects.tip_leakage.passage: has no meaning with model: nozzle"),
         ({"effects.tip_leakage.model": "nozzle_friction"}, "effects.tip_leakage.passage: is missing"),
         ({**HELD_GAPS, "effects.tip_leakage.friction_fit": "radial"}, "has no meaning with model: oil_sealed"),
+        ({"effects.tip_leakage.mixture_friction": "blasius"}, "mixture_friction: has no meaning with model: nozzle"),
         ({**HELD_GAPS, "oil.transport": "paper"}, "oil_sealed needs oil.transport: carried"),
         ({"effects.blow_hole.model": "oil_sealed"}, "is not an option (choose from: nozzle, homogeneous)"),
         ({"effects.blow_hole.model": "homogeneous"}, "homogeneous needs oil.transport: carried"),

@@ -494,7 +494,8 @@ def test_an_unknown_name_far_from_all_lists_the_known_ones(example):
     lines = faults_of(example.replace("{gap: 50 um}", "{gap: 50 um, xyz: 1}"))
     assert lines == [
         "x.yaml:33:29: effects.tip_leakage.xyz: is not known; known here: flow_coefficient, area_file, gap, "
-        "model, passage, friction_fit, mixture_viscosity, filled_from, wall_speed, gas_viscosity, reading"
+        "model, passage, friction_fit, mixture_viscosity, mixture_friction, filled_from, wall_speed, gas_viscosity, "
+        "reading"
     ]
 
 

@@ -80,7 +80,11 @@ def test_a_key_is_found_where_it_belongs():
         ("speed", "did you mean 'operation.speed'?"),
         ("model", "there are gas.model, "),
         ("operation.sped", "did you mean 'operation.speed'?"),
-        ("effects.tip_leakage.friction", "there is effects.tip_leakage.friction_fit (write the whole name)"),
+        ("effects.tip_leakage.fit", "there is effects.tip_leakage.friction_fit (write the whole name)"),
+        (
+            "effects.tip_leakage.friction",
+            "there are effects.tip_leakage.friction_fit, effects.tip_leakage.mixture_friction (write the whole name)",
+        ),
         ("effects.tip_leakage.xyz", "known there: flow_coefficient, "),
     ],
 )

@@ -9,8 +9,8 @@ Source: annular clearances (textbook); M12.
 Assumptions: fed from the mean state of the discharge line; oil in the ratio there, at the gas's speed. The power of
 pumping the leaked oil up again counts (M28). Labyrinths, bushings and bearings resist more than a nozzle does: take a
 smaller flow coefficient, or `model: oil_sealed`, the rule of gaps in flooded machines (M192); no wall moves in it.
-Parameters: area, or shaft_diameter, clearance and shafts; flow_coefficient; model, mixture_viscosity, passage and
-gas_viscosity.
+Parameters: area, or shaft_diameter, clearance and shafts; flow_coefficient; model, mixture_viscosity, mixture_friction,
+passage and gas_viscosity.
 """
 
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from math import pi
 
 from screwsim.effects.base import Effect, Faults, LineLeak
 from screwsim.effects.parts import gap_flow
-from screwsim.effects.parts.gap import flow_coefficient
+from screwsim.effects.parts.gap import declared_friction, flow_coefficient
 from screwsim.effects.parts.gas_transport import declared_gas_viscosity
 from screwsim.effects.parts.usual import LEAK
 from screwsim.inputs.declare import choice, number, optional, quantity
@@ -48,6 +48,7 @@ class Parameters:
     flow_coefficient: float = flow_coefficient("the leak", 0.7)
     model: str = choice("flow model (M190)", ("nozzle", "oil_sealed"), "nozzle")
     mixture_viscosity: str | None = choice("viscosity rule (model: oil_sealed)", tuple(gap_flow.MIXTURES), None)
+    mixture_friction: str | None = declared_friction()
     passage: float | None = quantity(
         "length", "length of the annulus along the shaft (model: oil_sealed)", None, gt=0.0, hardly=(1e-5, 0.5)
     )
@@ -68,7 +69,7 @@ def build(parameters: Parameters, machine) -> list[LineLeak]:
         return [LineLeak(area)]
     rule, clearance, passage = parameters.mixture_viscosity, parameters.clearance, parameters.passage
     assert rule is not None and clearance is not None and passage is not None  # of `check`
-    return [LineLeak(area, gap_flow.sealed(rule, clearance, passage))]
+    return [LineLeak(area, gap_flow.sealed(rule, parameters.mixture_friction, clearance, passage))]
 
 
 def check(parameters: Parameters, facts) -> Faults:
@@ -96,7 +97,7 @@ def check(parameters: Parameters, facts) -> Faults:
 def _model_faults(path: str, parameters: Parameters, facts) -> Faults:
     """Yield keys that the flow model needs and lacks, and those that have no meaning with it."""
     if gap_flow.MODELS[parameters.model].resistance is None:
-        for extra in (*_SEALED, "gas_viscosity"):
+        for extra in (*_SEALED, "mixture_friction", "gas_viscosity"):
             if getattr(parameters, extra) is not None:
                 yield Fault(f"{path}.{extra}", "has no meaning with model: nozzle (remove it)")
         return

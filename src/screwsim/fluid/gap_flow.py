@@ -2,7 +2,7 @@
 
 Source: docs/model.md M190–M193, M250–M252, M256. Friction: I. H. Bell, E. A. Groll, J. E. Braun, W. T. Horton, Int. J.
 Refrigeration 36 (2013) 1965. Viscosity of mixtures: W. H. McAdams, W. K. Woods, L. C. Heroman, Trans. ASME 64 (1942)
-193; A. Cicchitti et al., Energia Nucleare 7 (1960) 407.
+193; A. Cicchitti et al., Energia Nucleare 7 (1960) 407. Turbulent friction: H. Blasius, VDI-Forschungsheft 131 (1913).
 """
 
 import math
@@ -15,6 +15,7 @@ RADIAL_TRANSITION, FLANK_TRANSITION = 5243.58, 826.167  # Reynolds numbers of th
 LEAST_REYNOLDS = 1e-6
 TURBULENT_FROM = 50.0  # Reynolds number below which the turbulent power is held constant, as its weight is zero there
 LEAST_FLUX = 1e-9  # [kg/(m² s)]
+BLASIUS = 0.3164  # friction factor of a smooth channel times Re^¼, from Re = 2000 to 1e5
 
 
 @kernel
@@ -84,10 +85,22 @@ def mixture_passes(flux, oil_ratio, density, gap, passage, viscosity, oil_room):
 
 
 @kernel
+def mcadams_viscosity(oil_ratio, gas_viscosity, oil_viscosity):
+    """Return McAdams' viscosity [Pa s] of a mixture, which is close to the gas's (M193)."""
+    return (1.0 + oil_ratio) / (1.0 / gas_viscosity + oil_ratio / oil_viscosity)
+
+
+@kernel
+def cicchitti_viscosity(oil_ratio, gas_viscosity, oil_viscosity):
+    """Return Cicchitti's viscosity [Pa s] of a mixture, which is close to the oil's (M193)."""
+    return (gas_viscosity + oil_ratio * oil_viscosity) / (1.0 + oil_ratio)
+
+
+@kernel
 def mcadams_mixture(flux, oil_ratio, density, gap, passage, gas_viscosity, oil_viscosity, oil_room):
     """Return the same as `mixture_passes` with McAdams' viscosity, which is close to the gas's (M193)."""
     x = max(oil_ratio, 0.0)
-    viscosity = (1.0 + x) / (1.0 / gas_viscosity + x / oil_viscosity)
+    viscosity = mcadams_viscosity(x, gas_viscosity, oil_viscosity)
     return mixture_passes(flux, x, density, gap, passage, viscosity, oil_room)
 
 
@@ -95,8 +108,47 @@ def mcadams_mixture(flux, oil_ratio, density, gap, passage, gas_viscosity, oil_v
 def cicchitti_mixture(flux, oil_ratio, density, gap, passage, gas_viscosity, oil_viscosity, oil_room):
     """Return the same as `mixture_passes` with Cicchitti's viscosity, which is close to the oil's (M193)."""
     x = max(oil_ratio, 0.0)
-    viscosity = (gas_viscosity + x * oil_viscosity) / (1.0 + x)
+    viscosity = cicchitti_viscosity(x, gas_viscosity, oil_viscosity)
     return mixture_passes(flux, x, density, gap, passage, viscosity, oil_room)
+
+
+@kernel
+def turbulent_passes(mixture_flux, gap, passage, viscosity):
+    """Return the share g of a mixture's frictionless flux [kg/(m² s)] that Blasius's friction lets pass (M192).
+
+    It solves g² + b g^1.75 = 1 by Newton's method, from above as the left side is convex: within 1e-8 up to b = 20, and
+    4e-6 up to 1000.
+    """
+    b = 0.5 * BLASIUS * passage / (gap * math.sqrt(math.sqrt(2.0 * gap * mixture_flux / viscosity)))
+    g = 1.0 / math.sqrt(1.0 + b)
+    for _ in range(3):
+        friction = b / math.sqrt(math.sqrt(g))
+        g = g - (g * g * (1.0 + friction) - 1.0) / (g * (2.0 + 1.75 * friction))
+    return g
+
+
+@kernel
+def mixture_passes_faster(flux, oil_ratio, density, gap, passage, viscosity, oil_room):
+    """Return `mixture_passes` with the larger friction of both, laminar or Blasius's (M192)."""
+    x = max(oil_ratio, 0.0)
+    slowed = homogeneous(x, density, oil_room)
+    mixture_flux = max(flux * slowed * (1.0 + x), LEAST_FLUX)
+    turbulent = slowed * turbulent_passes(mixture_flux, gap, passage, viscosity)
+    return min(mixture_passes(flux, x, density, gap, passage, viscosity, oil_room), turbulent)
+
+
+@kernel
+def mcadams_blasius(flux, oil_ratio, density, gap, passage, gas_viscosity, oil_viscosity, oil_room):
+    """Return the same as `mixture_passes_faster` with McAdams' viscosity (M193)."""
+    viscosity = mcadams_viscosity(max(oil_ratio, 0.0), gas_viscosity, oil_viscosity)
+    return mixture_passes_faster(flux, oil_ratio, density, gap, passage, viscosity, oil_room)
+
+
+@kernel
+def cicchitti_blasius(flux, oil_ratio, density, gap, passage, gas_viscosity, oil_viscosity, oil_room):
+    """Return the same as `mixture_passes_faster` with Cicchitti's viscosity (M193)."""
+    viscosity = cicchitti_viscosity(max(oil_ratio, 0.0), gas_viscosity, oil_viscosity)
+    return mixture_passes_faster(flux, oil_ratio, density, gap, passage, viscosity, oil_room)
 
 
 @kernel

@@ -31,6 +31,12 @@ def flow_coefficient(of: str, default: float) -> Any:
     return number(f"flow coefficient of {of}", default, ge=0.0, le=100.0, hardly=(None, 1.0))
 
 
+def declared_friction() -> Any:
+    """Declare the friction of a mixture of gas and oil in a gap."""
+    what = "friction of the mixture, blasius where turbulent; default: laminar (model: oil_sealed)"
+    return choice(what, gap_flow.FRICTIONS, None)
+
+
 @dataclass(frozen=True)
 class GapParameters:
     """Parameters of every gap."""
@@ -60,6 +66,7 @@ class ClearanceParameters(GapParameters):
     )
     friction_fit: str | None = choice("friction fit (model: nozzle_friction)", tuple(gap_flow.FITS), None)
     mixture_viscosity: str | None = choice("viscosity rule (model: oil_sealed)", tuple(gap_flow.MIXTURES), None)
+    mixture_friction: str | None = declared_friction()
     filled_from: float | None = number(
         "oil per gas in the upstream chamber above which oil fills the gap (model: oil_film)", None, gt=0.0
     )

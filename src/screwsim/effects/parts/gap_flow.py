@@ -2,16 +2,18 @@
 
 What: `nozzle` is M12, M13. The other models let a share of that flow pass: `nozzle_friction` that of Bell et al. (M190,
 M191), `oil_sealed` that of a homogeneous mixture of gas and oil, in the ratio of the upstream chamber, with inertia and
-friction, laminar at any Reynolds number (M190, M192, M193). With `oil_film` oil fills a share of the gap's length and
+friction, laminar at any Reynolds number unless `mixture_friction: blasius` has the turbulent one where that is larger
+(M190, M192, M193). With `oil_film` oil fills a share of the gap's length and
 leaks there as a viscous film without gas; through the rest gas flows as through a nozzle (M250–M252). Where the housing
 slides past the gap it drags oil along, from the chamber ahead to that behind (M256–M258).
 Source: Bell et al. 2013, fitted to gaps of dry scroll machines; McAdams et al. 1942, Cicchitti et al. 1960 for the
-viscosity of a mixture, which differ a hundredfold; of the film, textbook (plane Poiseuille and Couette flow).
+viscosity of a mixture, which differ a hundredfold; Blasius 1913 for turbulent friction; of the film, textbook (plane
+Poiseuille and Couette flow).
 Assumptions: walls at rest, except in `oil_film`; constant viscosities: the gas's, unless stated, at suction pressure
 and the warmer of suction gas and injected oil, the oil's that of its supply; no heat passes from oil to gas inside the
 gap. Of `oil_film`: the share that is full follows the oil per gas of the upstream chamber, for dragged oil that of the
 chamber ahead, and reaches one at the stated `filled_from`, for which there is no measurement.
-Parameters: model, passage, friction_fit, mixture_viscosity, gas_viscosity, filled_from, wall_speed.
+Parameters: model, passage, friction_fit, mixture_viscosity, mixture_friction, gas_viscosity, filled_from, wall_speed.
 """
 
 from collections.abc import Callable, Iterator, Mapping
@@ -24,20 +26,27 @@ from screwsim.fluid.transport import viscosity as vapour_viscosity
 from screwsim.inputs.faults import Fault, UsageError
 
 FITS = {"radial": gap_flow.radial_friction, "flank": gap_flow.flank_friction}
-MIXTURES = {"mcadams": gap_flow.mcadams_mixture, "cicchitti": gap_flow.cicchitti_mixture}
+LAMINAR, BLASIUS = "laminar", "blasius"
+FRICTIONS = (LAMINAR, BLASIUS)
+MIXTURES = {  # by the rule of the viscosity, and the friction
+    "mcadams": {LAMINAR: gap_flow.mcadams_mixture, BLASIUS: gap_flow.mcadams_blasius},
+    "cicchitti": {LAMINAR: gap_flow.cicchitti_mixture, BLASIUS: gap_flow.cicchitti_blasius},
+}
 
 
 class FlowModel(NamedTuple):
     """A flow model of a gap: the resistance that it adds to a nozzle, and what a scene states for it.
 
-    `key` is the parameter that this model alone takes, with an `example`. `gas`: it needs the gas's viscosity; `oil`:
-    it needs carried oil with a viscosity; `walls`: a wall that slides past the gap drags oil along.
+    `key` is the parameter that this model alone needs, with an `example`; `optional` are others that it alone takes.
+    `gas`: it needs the gas's viscosity; `oil`: it needs carried oil with a viscosity; `walls`: a wall that slides past
+    the gap drags oil along.
     """
 
     # of a gap's parameters and the speed of the wall past it (`gap.gap_path`); None: the plain nozzle
     resistance: Callable[[Any, float | None], Resistance] | None = None
     key: str = ""
     example: str = ""
+    optional: tuple[str, ...] = ()
     gas: bool = True
     oil: bool = False
     walls: bool = False
@@ -49,7 +58,7 @@ def _friction(parameters: Any, slides: float | None) -> Resistance:
 
 
 def _sealed(parameters: Any, slides: float | None) -> Resistance:
-    return sealed(parameters.mixture_viscosity, *_size(parameters).values())
+    return sealed(parameters.mixture_viscosity, parameters.mixture_friction, *_size(parameters).values())
 
 
 def _film(parameters: Any, slides: float | None) -> Resistance:
@@ -71,8 +80,8 @@ NOZZLE = "nozzle"
 MODELS = {
     NOZZLE: FlowModel(gas=False),
     "nozzle_friction": FlowModel(_friction, "friction_fit", "radial"),
-    "oil_sealed": FlowModel(_sealed, "mixture_viscosity", "cicchitti", oil=True),
-    "oil_film": FlowModel(_film, "filled_from", "0.2", gas=False, oil=True, walls=True),
+    "oil_sealed": FlowModel(_sealed, "mixture_viscosity", "cicchitti", ("mixture_friction",), oil=True),
+    "oil_film": FlowModel(_film, "filled_from", "0.2", ("wall_speed",), gas=False, oil=True, walls=True),
 }
 
 HOLES: Mapping[str, Resistance | None] = {  # of an opening without depth: of the gas alone, or with its oil (M192)
@@ -81,10 +90,11 @@ HOLES: Mapping[str, Resistance | None] = {  # of an opening without depth: of th
 }
 
 
-def sealed(rule: str, gap: float, passage: float) -> Resistance:
+def sealed(rule: str, friction: str | None, gap: float, passage: float) -> Resistance:
     """Return the resistance of a gas–oil mixture in a clearance `gap` [m] that is `passage` [m] deep (M192, M193)."""
-    title = f"mixture of gas and oil, viscosity by {rule} (M192, M193)"
-    return Resistance(MIXTURES[rule], values={"gap": gap, "passage": passage}, title=title)
+    by = f", friction by {friction}" if friction not in (None, LAMINAR) else ""
+    title = f"mixture of gas and oil, viscosity by {rule}{by} (M192, M193)"
+    return Resistance(MIXTURES[rule][friction or LAMINAR], values={"gap": gap, "passage": passage}, title=title)
 
 
 def numbers(parameters: Any, around: Around) -> Mapping[str, float]:
@@ -106,12 +116,9 @@ def faults(name: str, parameters: Any, facts: Any) -> Iterator[Fault]:
     """Yield keys that a gap's flow model needs and lacks, and those that have no meaning with it."""
     path, word, model = f"effects.{name}", parameters.model, MODELS[parameters.model]
     needed = {} if model.resistance is None else {"passage": "2 mm", model.key: model.example}
-    used = set(needed)
-    if model.gas:
-        used.add("gas_viscosity")
-    if model.walls:
-        used.add("wall_speed")
-    for key in ("passage", *(each.key for each in MODELS.values() if each.key), "gas_viscosity", "wall_speed"):
+    used = {*needed, *model.optional, *(["gas_viscosity"] if model.gas else [])}
+    of_models = (key for each in MODELS.values() for key in (each.key, *each.optional) if key)
+    for key in ("passage", *of_models, "gas_viscosity"):
         given = getattr(parameters, key) is not None
         if key in needed and not given:
             yield Fault(f"{path}.{key}", f"is missing (model: {word} needs it, e.g. {key}: {needed[key]})")
