@@ -29,6 +29,7 @@ OPEN_TO_SUCTION = math.radians(1.0)  # of a plenum's port before the end of suct
 HARDLY_KNOWN = 0.01  # relative error of figures over the net flow that deserves a warning
 OVER_FLOW = "specific_power", "oil_flow_ratio", "economizer_flow_ratio", "liquid_injection_flow_ratio"
 MOST_OIL = 1 / 3  # of a chamber: neglected, it costs some 5 % of the power, 30 % of the peak pressure (test_oil_volume)
+LEFT_BEHIND, RECOMPRESSED = 0.005, 2.0  # gas left where a chamber vanishes, over the charge, and its pressure over p_d
 LOST, LOST_DRY = 0.02, 0.05  # of the shaft power: heat to suction, or from outside, that deserves a warning
 
 
@@ -235,6 +236,25 @@ def _open_to_suction(of: Evaluation) -> Iterator[str]:
             )
 
 
+def _left_behind(of: Evaluation) -> Iterator[str]:
+    """Yield a warning where much gas is left in a chamber that vanishes, so that it is recompressed."""
+    life, trapped = of.life, of.figures.get("trapped_mass")
+    if not trapped:
+        return
+    end = float(life.times[life.steps])
+    density, volume, p_d = float(life.ends[1][-1]), life.volume(end), of.figures["discharge_pressure"]
+    share = density * volume / trapped  # at most: oil takes some of that volume
+    if share < LEFT_BEHIND:
+        return
+    pressure = float(life.states_at(np.array([end]))[0, -1])
+    if pressure > RECOMPRESSED * p_d:
+        port, then = ("outlet", "is lost") if of.problem.parts.geometry.expands else ("discharge port", "flows back")
+        yield (
+            f"{share:.1%} of the charge is not let out: the {port} is nearly shut while the chamber vanishes, where it "
+            f"reaches {in_bar(pressure)} and {then} (choose a {port} that is wider there)"
+        )
+
+
 def _last_open(path: FlowPath) -> float:
     """Return the angle [rad] up to which a path is open, as its table or its breakpoints tell; 0 if it is not."""
     if path.values.get("size") == 0.0:
@@ -247,7 +267,7 @@ def _last_open(path: FlowPath) -> float:
 CAUTIONS = (  # in the order in which they are told
     *(_more_oil_than_asked, _oil_fills_chamber, _unfitted_bore, _open_to_suction, _lost_to_suction),
     *(_warmed_from_outside, late_valves.warnings, _separator_warnings, humidity.warnings, _open_values, _of_effects),
-    *(_nothing_delivered, _little_flow, _flows_back_through_intake),
+    *(_nothing_delivered, _little_flow, _flows_back_through_intake, _left_behind),
 )
 
 
