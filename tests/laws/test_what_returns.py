@@ -1,14 +1,17 @@
-"""An error that returns nearly in full: what one life changes is far less than what is to come, and estimates tell it."""
+"""An error that returns from turn to turn: one life changes far less than what is to come, and estimates tell it."""
+
+from pathlib import Path
 
 import pytest
 from effects_space import STRUCTURES
 from known_figures import known_finer
+from true_error import JUDGED
 
 from screwsim.figures.errors import relative_errors
 from screwsim.scene import load, with_values
 from screwsim.simulate import simulate
 
-NUMBERS = (
+HOT = (
     "operation.speed=994.81315 rpm",
     "operation.suction={pressure: 2.6220042 bar, temperature: 309.09867 K}",
     "operation.discharge.pressure=31.242869 bar",
@@ -29,19 +32,41 @@ NUMBERS = (
 )
 
 
-@pytest.fixture(scope="module")
-def hot():
-    """Hot rotors close the gaps that cool them: nine tenths of a change of theirs return in each turn."""
-    return load("configs/paper/point.yaml", [*STRUCTURES["walls"].sets, *NUMBERS])
+SLOW = (
+    "operation.speed=404.9734 rpm",
+    "operation.suction={pressure: 1.0003452 bar, temperature: 294.7451 K}",
+    "operation.discharge.pressure=1.6595506 bar",
+    "machine.volume.min=0.34747952 cm^3",
+    "machine.suction_port.area=73.129533 cm^2",
+    "machine.discharge_port={area: 98.879375 cm^2, opens: 673.95968 deg, phi_C: 692.02533 deg}",
+    "oil_supply={ratio: 0.011814568, temperature: 303.36629 K}",
+    "effects.tip_leakage.gap=16.382474 um",
+    "effects.interlobe_leakage.gap=5.8870088 um",
+    "effects.end_face_leakage.gap=27.517312 um",
+    "effects.blow_hole.area=37.252148 mm^2",
+    "effects.oil_heat.droplet_radius=17.02386 um",
+    "effects.oil_pump.efficiency=0.64517437",
+    "effects.hydromechanical.acceleration_factor=0.58730339",
+    "effects.mechanical.fraction=0.11395604",
+)
+PAPER = str(Path(__file__).resolve().parents[2] / "configs" / "paper" / "point.yaml")
+SEEN = "gas_mass_flow", "trapped_mass", "discharge_temperature", "shaft_power", "specific_power"
 
 
-def test_figures_are_as_near_as_told_where_walls_return_most_of_an_error(hot):
-    """Without what is to come after the last life, 0.06 accuracies were told of a flow that was off by 4.7."""
-    accuracy = hot.numerics.accuracy
+@pytest.mark.parametrize(
+    ("structure", "numbers"), [("walls", HOT), ("gaps with friction", SLOW)], ids=["hot rotors", "slow turns"]
+)
+def test_figures_are_as_near_as_told_where_most_of_an_error_returns(structure, numbers):
+    """Hot rotors close the gaps that cool them: 0.06 accuracies were told of a flow off by 4.7.
+
+    A slow machine whose corrections missed 0.3 of what they predicted: one life told 0.5 of a power off by 2.2.
+    """
+    scene = load(PAPER, [*STRUCTURES[structure].sets, *numbers])
+    accuracy = scene.numerics.accuracy
     finer = {"numerics.accuracy": accuracy / 300.0, "numerics.closing": "coupled", "numerics.error": "none"}
-    found = simulate(hot, trace=False)
+    found = simulate(scene, trace=False)
     assert found.status == "ok", found.message
-    off = relative_errors(found.performance, known_finer(with_values(hot, finer), 0.1 * accuracy))
-    for name in ("gas_mass_flow", "trapped_mass", "discharge_temperature", "rotor_temperature", "specific_power"):
-        assert off[name] <= max(found.error[name], 0.1 * accuracy), name
-        assert found.error[name] <= accuracy, name
+    off = relative_errors(found.performance, known_finer(with_values(scene, finer), 0.1 * accuracy))
+    for name in SEEN:
+        assert off[name] <= found.error[name] + JUDGED * accuracy, name
+        assert off[name] <= accuracy, name

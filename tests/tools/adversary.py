@@ -1,4 +1,4 @@
-"""Search for the scenes on which the program is worst, by evolution instead of by chance. Run: adversary.py [--aim error].
+"""Search for the scenes on which the program is worst, by evolution instead of by chance.
 
     python tests/tools/adversary.py [--aim error|status|cost|slopes] [--seed N] [--minutes M]
         [--structure S] [--space effects|fuzz|fluids] [--keep 3] [-o FOLDER]
@@ -34,7 +34,6 @@ import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT / "tests" / name) for name in ("tools", "hard", "laws", "derivatives")]
-import derivatives  # noqa: E402
 import effects_space  # noqa: E402
 import fluid_space  # noqa: E402
 import fuzz_space  # noqa: E402
@@ -43,6 +42,7 @@ from judging import Stopped, finite, limited  # noqa: E402
 from tight import NotTight  # noqa: E402
 from true_error import ANOTHER, reference, true_error  # noqa: E402
 
+import derivatives  # noqa: E402
 from screwsim.cycle.guess import lease_for  # noqa: E402
 from screwsim.cycle.problem import problem_of  # noqa: E402
 from screwsim.derivatives.collocated_cycle import NotClosed  # noqa: E402

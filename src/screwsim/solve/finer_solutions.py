@@ -115,10 +115,13 @@ def _correction_suffices(request: EstimateRequest) -> bool:
 def _slow_by_own_tangents(request: EstimateRequest) -> bool:
     """Return whether turns passed errors on so slowly that corrections closed the cycle, which may stand in for a life.
 
-    Tangents of a nearby cycle say nothing of the turns' own pace.
+    Tangents of a nearby cycle say nothing of the turns' own pace. Where corrections missed so much that none may stand
+    in for a life, two lives are made if turns were slow.
     """
-    tangents = request.cycle.tangents
-    return tangents is not None and not tangents.elsewhere and _correction_suffices(request)
+    tangents, contraction = request.cycle.tangents, request.cycle.contraction
+    if tangents is None or tangents.elsewhere:
+        return False
+    return _correction_suffices(request) or SLOW_CONTRACTION < contraction < 1.0
 
 
 def _next_life(request: EstimateRequest) -> FinerSolutions:
