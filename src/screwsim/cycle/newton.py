@@ -169,8 +169,23 @@ class Corrections:
     ) -> Correction | None:
         """Return the correction of a turn, and move the last history by it; None where there is none.
 
+        Arguments are those of `foreseen`. With `whole`, a correction that would have to be shortened is not made.
+        """
+        found = self.foreseen(before, start, q, unknowns_in, unknowns_out)
+        if whole and (found is None or found.share < 1.0):
+            self._too_large, self.tangents, self.last = 0, None, None
+            return None
+        if found is not None:
+            _move_history(self.machinery, found)
+        return found
+
+    def foreseen(
+        self, before: int, start: Array, q: Array, unknowns_in: Array, unknowns_out: Array
+    ) -> Correction | None:
+        """Return the correction of a turn, which leaves the last history as it is; None where there is none.
+
         `before` is the number of steps of the history before, `start` (n,) the change of the state that a life
-        starts with. With `whole`, a correction that would have to be shortened is not made.
+        starts with, q the turn's quadratures, `unknowns_out` the next values of the unknowns that it was made with.
         """
         machinery, c = self.machinery, self.machinery.composition
 
@@ -180,13 +195,7 @@ class Corrections:
             ahead = (new - old).reshape(c.chambers, -1, machinery.n).transpose(1, 0, 2).reshape(-1, N)
             return Residual(ahead, np.concatenate([start, np.zeros(N - len(start))]), q, unknowns_in, unknowns_out)
 
-        found = self._found(residual, unknowns_in)
-        if whole and (found is None or found.share < 1.0):
-            self._too_large, self.tangents, self.last = 0, None, None
-            return None
-        if found is not None:
-            _move_history(machinery, found)
-        return found
+        return self._found(residual, unknowns_in)
 
     def of_pitch(self, start: Array, q: Array, unknowns_in: Array, unknowns_out: Array) -> Correction | None:
         """Return the correction of a pitch of all chambers, which is installed as the last history.

@@ -87,7 +87,7 @@ def estimated_errors(
     reach_station()
     finer_life, whole = machinery.trajectory, _whole_over_shown(request, finer)
     errors = _errors_shown(of, here, finer, hides_flow=request.filling < LEAST_DELIVERY)
-    left = cycle.left if len(finer.solutions) == 1 else 0.0  # a second life shows it
+    left = cycle.left if len(finer.solutions) == 1 else finer.to_come  # a second life shows what the cycle left
     flows = {name for name, about in found.about.items() if about.by_flow}  # of which a corrected life shows nothing
     for name, size in errors.items():
         if size is not None:

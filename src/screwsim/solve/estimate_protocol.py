@@ -74,8 +74,9 @@ class FinerSolutions(NamedTuple):
 
     `left` is the share of the first one's change that Newton's correction left to the second. The last entry may be
     read from a correction instead of a life: `flow` is then its change of the net flow, `corrected_state` where the
-    machinery stands. `cycle` is the finer cycle that a search closed, which the machinery then holds. `q` are the
-    quadratures of one that all chambers together closed, `tangents` the linearisation by which a life was corrected.
+    machinery stands. `to_come` is by how much a further correction of the last life would move gas, work and unknowns,
+    `flow` then the net flow. `cycle` is the finer cycle that a search closed, which the machinery then holds. `q` are
+    the quadratures of one that all chambers together closed, `tangents` the linearisation that corrected a life.
     """
 
     solutions: Sequence[Solution]
@@ -87,6 +88,7 @@ class FinerSolutions(NamedTuple):
     q: Array | None = None
     changes: Sequence[Figures] = ()
     tangents: Tangents | None = None
+    to_come: float = 0.0
 
 
 NO_SOLUTIONS = FinerSolutions((), enough=False)

@@ -29,6 +29,7 @@ from screwsim.outputs import Figures
 from screwsim.solve.estimate_protocol import FINER, NO_SOLUTIONS, EstimateRequest, FinerSolutions
 from screwsim.solve.swings import Solution, solution_of
 
+Array = np.ndarray
 TWO_LIVES_BELOW = 1e-4  # wanted accuracy up to which two lives estimate
 LEAKAGE_DOMINATES = 0.75  # volumetric efficiency below which leaks dominate, and two lives estimate
 QUICK_CONVERGENCE = 0.7  # ratio of successive lives' changes below which two lives determine the limit
@@ -69,7 +70,10 @@ def finer_lives(request: EstimateRequest) -> FinerSolutions:
         corrected = lives.next()
         if not corrected:
             return NO_SOLUTIONS
-    return lives.read(FinerSolutions(lives.solutions, left=lives.left() if corrected else None))
+    if not corrected:
+        return lives.read(FinerSolutions(lives.solutions))
+    to_come, flow = lives.to_come()
+    return lives.read(FinerSolutions(lives.solutions, left=lives.left(), flow=flow, to_come=to_come))
 
 
 def repeated_share(steps: Sequence[Figures]) -> float:
@@ -111,10 +115,13 @@ def _correction_suffices(request: EstimateRequest) -> bool:
 def _slow_by_own_tangents(request: EstimateRequest) -> bool:
     """Return whether turns passed errors on so slowly that corrections closed the cycle, which may stand in for a life.
 
-    Tangents of a nearby cycle say nothing of the turns' own pace.
+    Tangents of a nearby cycle say nothing of the turns' own pace. Where corrections missed so much that none may stand
+    in for a life, two lives are made if turns were slow.
     """
-    tangents = request.cycle.tangents
-    return tangents is not None and not tangents.elsewhere and _correction_suffices(request)
+    tangents, contraction = request.cycle.tangents, request.cycle.contraction
+    if tangents is None or tangents.elsewhere:
+        return False
+    return _correction_suffices(request) or SLOW_CONTRACTION < contraction < 1.0
 
 
 def _next_life(request: EstimateRequest) -> FinerSolutions:
@@ -183,14 +190,38 @@ class _Lives:
         if not self.corrections.able or (pulsating and not self.corrections.begun):
             return False
         n = self.machinery.n
-        found = self.corrections.of_turn(
-            self.steps, self.end[:n] - self.start[:n], self.q, self.unknowns_in, self.unknowns_out
-        )
+        found = self.corrections.of_turn(*self._turned())
         if found is None:
             return False
         self.unknowns_out = corrected_start(self.of.problem, found, self.end[:n], self.y, self.unknowns_out)
         self.correction = found
         return True
+
+    def _turned(self) -> tuple[int, Array, Array, Array, Array]:
+        """Return what a correction is made of: steps before the last life, its change of states, sums, unknowns."""
+        n = self.machinery.n
+        return self.steps, self.end[:n] - self.start[:n], self.q, self.unknowns_in, self.unknowns_out
+
+    def to_come(self) -> tuple[float, float]:
+        """Return by how much a correction of the last life would still move gas, work and unknowns, and the net flow.
+
+        Zeros where hardly at all. A life changes little where an error returns nearly in full: what it changes is far
+        less than what is to come.
+        """
+        found = self.corrections.foreseen(*self._turned()) if self.corrections.begun else None
+        if found is None:
+            return 0.0, 0.0
+        work = abs(found.work) / max(abs(float(self.q[slots.Q_WORK])), self.of.least[1], 1e-300)
+        moved = max(abs(found.mass), work, float(np.abs(found.unknowns).max(initial=0.0)))
+        if moved < LAST_CHANGE * self.of.problem.scene.numerics.accuracy:
+            return 0.0, 0.0
+        return moved, abs(found.mass) * self._trapped_over_sucked()
+
+    def _trapped_over_sucked(self) -> float:
+        """Return the trapped gas over what is sucked, at least 1."""
+        problem, trapped = self.of.problem, float(self.machinery.R[slots.R_TRAPPED])
+        sucked = abs(self.of.figures.get("gas_mass_flow") or 0.0) / (problem.rate * (1.0 - problem.suction.returned))
+        return max(1.0, trapped / max(sucked, 1e-300))
 
     def foretold(self, by: Correction, wrong: float) -> FinerSolutions:
         """Return the lives together with the response to the last correction, read from the history that it moved.
@@ -204,7 +235,6 @@ class _Lives:
         out = streams[slots.DISCHARGE_IN : slots.DISCHARGE_OUT + 1, slots.OF_GAS].sum()
         trapped = float(machinery.R[slots.R_TRAPPED])
         passed = abs(out / max(trapped, 1e-300))
-        sucked = abs(self.of.figures.get("gas_mass_flow") or 0.0) / (problem.rate * (1.0 - problem.suction.returned))
         streams[: slots.SUCTION_OUT + 1, slots.OF_GAS] = 0.0
         set_unknowns(problem, machinery, self.unknowns_out)
         at, n = float(c.P[slots.P_INJECTION]), machinery.n
@@ -219,7 +249,7 @@ class _Lives:
             FinerSolutions(
                 self.solutions,
                 left=wrong,
-                flow=max(abs(by.mass) * max(1.0, trapped / max(sucked, 1e-300)), passed),
+                flow=max(abs(by.mass) * self._trapped_over_sucked(), passed),
                 corrected_state=led,
             )
         )
