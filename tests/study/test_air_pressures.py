@@ -215,9 +215,9 @@ def test_tables_fit_a_terminal_and_points_are_rows(tmp_path, capsys):
     ("text", "words"),
     [
         ("8 bar;9 bar", "'8 bar;9 bar' is not a pressure"),
-        (",", "is neither LOW..HIGH nor a list of values (write e.g. --discharge '8 bar, 9.5 bar, 11 bar')"),
+        (",", "is neither LOW..HIGH nor one value or several (write e.g. --discharge '8 bar, 9.5 bar, 11 bar')"),
         ("7,5 bar", "does not rise from value to value (a decimal point is a dot)"),
-        ("8 bar,, 9 bar", "is neither LOW..HIGH nor a list"),
+        ("8 bar,, 9 bar", "is neither LOW..HIGH nor one value or several"),
         ("8 bar, 9", "'9' has no unit"),
         ("0.5 bar, 8 bar", "0.5 bar is not above the 1 bar of the inlet"),
         ("11 bar..8 bar", "is empty (LOW must be below HIGH)"),

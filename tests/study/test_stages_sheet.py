@@ -352,7 +352,7 @@ def test_speeds_of_a_package_are_those_that_motors_on_the_mains_reach(package, m
     ("which", "arguments", "words"),
     [
         ("plant", ["--suction", "1 bar..2 bar"], "--suction: belongs to a machine whose lines are stated by pressures"),
-        ("plant", ["--evaporating", "-20 degC"], "--evaporating -20 degC: is neither LOW..HIGH nor a list"),
+        ("plant", ["--evaporating", "-20 degC,"], "--evaporating -20 degC,: is neither LOW..HIGH nor one value or"),
         ("plant", ["--evaporating", "38 degC..40 degC", "--condensing", "39 degC..41 degC"], "no point of the table"),
         (
             "plant",

@@ -59,7 +59,7 @@ def read_pressures(outlet: Scene, inlet: float, text: str | None, swept: Sequenc
     """
     if text is None:
         return tuple(swept)
-    pressures = read_values(outlet, P_D, text, OPTION, EXAMPLE, VALUES_PER_RANGE, least=1)
+    pressures = read_values(outlet, P_D, text, OPTION, EXAMPLE, VALUES_PER_RANGE)
     for pressure in pressures:
         if pressure <= inlet:
             what = f"{in_bar(pressure)} is not above the {in_bar(inlet)} of the inlet (choose a higher one)"
