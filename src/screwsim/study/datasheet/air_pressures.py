@@ -133,7 +133,7 @@ def pressures_tables(
     lowest = [each.lowest for each in pressures if each.lowest is not None]
     full = [(each.pressure, each.full) for each in pressures]
     notes = []
-    if bounded := [each.full for each in pressures if each.bounded]:
+    if any(each.bounded for each in pressures):
         motor = motor_of(scene)
         its = "what it carries there" if field_stays(motor) else f"its {units.quantity('W', motor.rated_power)}"
         notes.append(f"the speed of full flow is at most the one that loads the motor with {its}")
