@@ -263,3 +263,25 @@ def test_a_coolant_that_would_leave_hotter_than_the_separator_is_warned_of(state
 def test_no_heat_has_no_flow_and_says_why():
     assert Coolant(temperature_rise=5.0).figures(-1.0, 1200.0) == dict.fromkeys((FLOW, RISE), NO_HEAT)
     assert Coolant(temperature_rise=5.0).figures("unknown", 1200.0) == dict.fromkeys((FLOW, RISE), "unknown")
+
+
+@pytest.mark.parametrize(
+    ("cooler", "fan", "warns"),
+    [
+        ("outlet_temperature: 15 degC", "{power: 2 kW}", True),
+        ("outlet_temperature: 45 degC", "{power: 2 kW}", False),
+        ("outlet_temperature: 15 degC", "null", False),  # of water, whose temperature is not stated
+        ("discharge_temperature: 60 degC, conductance: 60 kW/K, coolant_temperature: 5 degC", "{power: 2 kW}", False),
+    ],
+)
+def test_oil_colder_than_the_air_that_cools_it_is_warned_of(cooler, fan, warns):
+    """Inlet 20 °C."""
+    kept = "outlet_temperature: null, discharge_temperature: null, conductance: null, coolant_temperature: null"
+    stated = {
+        **dict(each.split(": ") for each in kept.split(", ")),
+        **dict(each.split(": ") for each in cooler.split(", ")),
+    }
+    values = ", ".join(f"{name}: {value}" for name, value in stated.items())
+    found = solved(PLAIN, f"effects.separator.cooler={{{values}}}", f"{PACKAGE}.fan={fan}")
+    told = [each for each in found.warnings if "below the 20.0 degC of the air with which the fan cools it" in each]
+    assert bool(told) == warns

@@ -279,6 +279,26 @@ def test_a_small_motor_of_the_default_efficiency_is_told(rated, told):
     ],
 )
 def test_a_load_above_the_rating_is_told_and_above_the_service_factor_warned_of(share, told):
-    assert motor.beyond_rating(share) == told
+    assert motor.beyond_rating(share, motor.SERVICE_FACTOR) == told
     warned = any("service factor of 1.15 (NEMA MG 1)" in text for text in judged(share * RATED, SPEED)[1])
     assert warned == (share > 1.15)
+
+
+@pytest.mark.parametrize("inverts", [{"inverter": DRIVE}, {"drive_efficiency": 0.97}])
+@pytest.mark.parametrize(("share", "beyond"), [(1.0, False), (1.004, False), (1.09, True)])
+def test_a_motor_on_an_inverter_has_no_service_factor(inverts, share, beyond):
+    """NEMA MG 1, part 31: 1.0."""
+    told = motor.beyond_rating(share, motor.SERVICE_FACTOR_OF_INVERTED)
+    assert told == ("above its rating, which is all that it carries for long on an inverter (NEMA MG 1)" * beyond)
+    warned = [text for text in judged(share * RATED, SPEED, **inverts)[1] if "above its rating on an inverter" in text]
+    assert len(warned) == beyond and all(text.endswith("(choose a larger one)") for text in warned)
+
+
+@pytest.mark.parametrize(
+    ("power", "speed", "told"),
+    [(0.99, 0.95, ""), (1.07, 0.95, "load is"), (0.99, 0.8, "torque is 1.24"), (1.26, 1.2, "torque is 1.05")],
+)
+def test_behind_an_inverter_power_counts_at_any_speed_and_torque_far_beyond_its_rated_one(power, speed, told):
+    """A voltage that rises up to 1.74 times the rated speed carries 1.2 times the rated power at 1.2 times it."""
+    _, warnings = judged(power * RATED, speed * SPEED, inverter=replace(DRIVE, full_field_speed=1.74 * SPEED))
+    assert len(warnings) == bool(told) and all(told in text for text in warnings)

@@ -8,11 +8,14 @@ import pytest
 
 import screwsim
 from screwsim.cli import exit_code
+from screwsim.effects.motor import Parameters as Motor
+from screwsim.effects.parts.inverter import Inverter
 from screwsim.outputs.customary import RPM
 from screwsim.outputs.us_units import PSI
 from screwsim.scene import without_sweep
 from screwsim.scene.operation import P_D, SPEED
 from screwsim.study.datasheet import SheetOptions, carried, sheet_of
+from screwsim.study.datasheet.bounds import Carried, excess_of
 from screwsim.study.seek import GoalSeekAnswer
 
 pytestmark = pytest.mark.around
@@ -187,7 +190,9 @@ def test_a_motor_whose_field_stays_above_its_rated_speed_carries_more_there():
     assert not of.document["bounded_by_motor"]
     words = dict(of.lines)
     assert "above its rating" not in words["motor"]
-    assert "shaft power < 110.6 kW (effects.motor.inverter.full_field_speed)" in words["limits"]  # 75 kW × 2950/2000
+    assert (
+        "shaft power < 110.6 kW at 2950 rpm, at others by the speed (effects.motor.inverter" in words["limits"]
+    )  # 75 kW × 2950/2000
 
 
 def test_gauge_pressures_and_us_units():
@@ -215,9 +220,9 @@ def test_tables_fit_a_terminal_and_points_are_rows(tmp_path, capsys):
     ("text", "words"),
     [
         ("8 bar;9 bar", "'8 bar;9 bar' is not a pressure"),
-        (",", "is neither LOW..HIGH nor a list of values (write e.g. --discharge '8 bar, 9.5 bar, 11 bar')"),
+        (",", "is neither LOW..HIGH nor one value or several (write e.g. --discharge '8 bar, 9.5 bar, 11 bar')"),
         ("7,5 bar", "does not rise from value to value (a decimal point is a dot)"),
-        ("8 bar,, 9 bar", "is neither LOW..HIGH nor a list"),
+        ("8 bar,, 9 bar", "is neither LOW..HIGH nor one value or several"),
         ("8 bar, 9", "'9' has no unit"),
         ("0.5 bar, 8 bar", "0.5 bar is not above the 1 bar of the inlet"),
         ("11 bar..8 bar", "is empty (LOW must be below HIGH)"),
@@ -233,3 +238,29 @@ def test_the_json_has_them(capsys):
     assert exit_code(["datasheet", str(AIR / "fixed_speed_7.yaml"), "--discharge", "8, 11 bar", "--json"]) == 0
     out = json.loads(capsys.readouterr().out)
     assert [each["outlet_pressure"] for each in out["pressures"]] == [8e5, 11e5]
+
+
+def test_a_motor_whose_field_stays_carries_less_at_lower_speeds():
+    """75 kW at 2000 rpm and 110.6 at 2950: 90 kW are too much at 2300 rpm, where it carries 86.25."""
+    inverter = {"rated_speed": 2000.0 * RPM, "loss": 3e3, "full_field_speed": 3480.0 * RPM}
+    motor = Motor(rated_power=75e3, inverter=Inverter(**inverter))
+    limit = Carried("shaft_power", motor, 2950.0 * RPM)
+    assert limit.value == pytest.approx(110.625e3, rel=1e-9)
+    displaced = {"displacement": 1e-3, "shaft_power": 90e3}
+    for speed, most in ((2950.0, 110.625e3), (2300.0, 86.25e3), (1000.0, 75e3)):
+        found = {**displaced, "displacement_flow": 1e-3 * speed / 60.0}
+        assert excess_of(limit, found) == pytest.approx(90e3 - most, rel=1e-9)
+    assert excess_of(limit, {}) != excess_of(limit, {})  # NaN: a point without a power is within no limit
+
+
+@pytest.mark.parametrize("full_field", ["3480 rpm", "2500 rpm"])
+def test_full_flow_is_where_a_motor_whose_field_stays_carries_it(full_field):
+    """Torque hardly changes with speed: what is too much of it at the highest speed is so down to the rated one."""
+    inverter = f"{{rated_speed: 2000 rpm, loss: 2 kW, full_field_speed: {full_field}}}"
+    values = "{rated_power: 66 kW, efficiency: null, efficiency_file: null, drive_efficiency: 1, efficiency_class: IE3"
+    speeds = "sweep.operation.speed=[2950 rpm, 950 rpm]"
+    of = sheet("variable_speed_7", None, f"effects.motor={values}, inverter: {inverter}}}", speeds)
+    full = of.document["points"][0]
+    speed = full["speed"] / RPM
+    assert of.document["bounded_by_motor"] and speed == pytest.approx(round(speed), rel=1e-9)
+    assert 0.99 < full["shaft_power"] / (66e3 * max(min(speed, float(full_field.split()[0])) / 2000.0, 1.0)) <= 1.0

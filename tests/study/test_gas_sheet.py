@@ -177,6 +177,8 @@ def test_axes_are_the_sweeps_the_options_or_shares_of_the_scenes_own():
     assert rating_request(expands, NONE, {}).across.path == SPEED
     inlets = rating_request(expands, {**NONE, "--suction": "18 bar..22 bar"}, {})
     assert inlets.across.path == P_S and inlets.across.values[0] == pytest.approx(18e5)
+    one = rating_request(gas, {"--suction": "4 bar", "--discharge": "15 bar"}, {})
+    assert one.across.values + one.down.values == pytest.approx([4e5, 15e5])
 
 
 @pytest.mark.parametrize(
@@ -189,8 +191,8 @@ def test_axes_are_the_sweeps_the_options_or_shares_of_the_scenes_own():
         ),
         (
             "paper/point",
-            ["--suction", "1 bar"],
-            "1 bar: is neither LOW..HIGH nor a list of values (write e.g. --suction '4 bar..6 bar')",
+            ["--suction", "1 bar,"],
+            "1 bar,: is neither LOW..HIGH nor one value or several (write e.g. --suction '4 bar..6 bar')",
         ),
         ("paper/point", ["--discharge", "9 bar..7 bar"], "is empty (LOW must be below HIGH)"),
         ("paper/point", ["--discharge", "7..9"], "--discharge 7..9: '7' has no unit"),

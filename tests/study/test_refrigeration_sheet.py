@@ -417,8 +417,8 @@ def test_ranges_are_those_of_the_scene_or_of_steps_around_its_point():
         ("control/point", ["--limit", "water_flow<1"], "is not a figure of this scene"),
         (
             "control/point",
-            ["--evaporating", "5 degC"],
-            "5 degC: is neither LOW..HIGH nor a list of values (write e.g. --evaporating '-10",
+            ["--evaporating", "5 degC,, 8 degC"],
+            "8 degC: is neither LOW..HIGH nor one value or several (write e.g. --evaporating '-10",
         ),
         ("control/point", ["--condensing", "50 degC..40 degC"], "is empty (LOW must be below HIGH)"),
         (

@@ -5,6 +5,7 @@ import json
 import re
 from dataclasses import replace
 from math import exp, log
+from pathlib import Path
 
 import pytest
 from CoolProp.CoolProp import PropsSI
@@ -22,6 +23,8 @@ from screwsim.study.datasheet.air_sheet import FAN_CONTROL
 from screwsim.study.datasheet.stages_sheet import best_intermediate
 from screwsim.study.datasheet.units import METRIC
 from screwsim.study.stages import ChainResult, read_stages, run_stages
+
+PACKAGE = Path(__file__).parents[2] / "configs" / "two_stage" / "air.stages.yaml"
 
 pytestmark = pytest.mark.around
 LOW = {
@@ -225,7 +228,22 @@ def test_a_package_is_rated_at_other_outlet_pressures_at_the_speeds_of_its_sheet
     found = higher["full_flow"]
     loads = [100.0 * found["first_shaft_power"] / 55e3, 100.0 * found["second_shaft_power"] / 45e3]
     assert [float(each) for each in cells["motors %"].split("/")] == pytest.approx(loads, abs=0.51)
-    assert "bounded_by_motor" not in higher
+    assert not higher["bounded_by_motor"] and "rpm" in table(sheet, "Full flow over").heads
+
+
+def test_full_flow_of_two_stages_is_at_the_highest_speeds_that_both_motors_carry():
+    """The second stage's motor of configs/two_stage, 55 kW, is loaded to 94 % at 8.5 bar, and beyond at 10.5 bar."""
+    at = "second.operation.discharge.pressure=10.5 bar"
+    chain = read_stages(PACKAGE, [at])
+    document = sheet_of(chain, SheetOptions(jobs=1)).document
+    full, *slower = document["points"]
+    assert document["bounded_by_motor"] and full["first_speed"] == full["second_speed"] < 2950.0 * RPM
+    assert full["second_shaft_power"] == pytest.approx(55e3, rel=2e-3) and full["second_shaft_power"] <= 55e3
+    assert all(each["first_speed"] < full["first_speed"] for each in slower)
+    sheet = sheet_of(read_stages(PACKAGE), SheetOptions({"--discharge": "10.5 bar"}))
+    (higher,) = sheet.document["pressures"]
+    assert not sheet.document["bounded_by_motor"] and higher["bounded_by_motor"]
+    assert higher["full_flow"]["second_shaft_power"] == pytest.approx(full["second_shaft_power"], rel=1e-6)
 
 
 def test_the_second_stage_alone_has_no_figure_of_free_air_as_it_draws_in_what_the_first_has_compressed(tmp_path):
@@ -352,7 +370,7 @@ def test_speeds_of_a_package_are_those_that_motors_on_the_mains_reach(package, m
     ("which", "arguments", "words"),
     [
         ("plant", ["--suction", "1 bar..2 bar"], "--suction: belongs to a machine whose lines are stated by pressures"),
-        ("plant", ["--evaporating", "-20 degC"], "--evaporating -20 degC: is neither LOW..HIGH nor a list"),
+        ("plant", ["--evaporating", "-20 degC,"], "--evaporating -20 degC,: is neither LOW..HIGH nor one value or"),
         ("plant", ["--evaporating", "38 degC..40 degC", "--condensing", "39 degC..41 degC"], "no point of the table"),
         (
             "plant",

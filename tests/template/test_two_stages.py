@@ -18,11 +18,13 @@ pytestmark = pytest.mark.around
 MACHINES = {
     "air": ("air", "--pressure", "13 bar(g)", "--flow", "10 m^3/min", "--variable-speed"),
     "halocarbon": ("refrigeration", "--condition", "-35/40 degC", "--capacity", "150 kW"),
+    "heat pump": ("heat_pump", "--condition", "0/85 degC", "--capacity", "500 kW"),
     "ammonia": ("refrigeration", "--fluid", "R717", "--condition", "-40/35 degC", "--capacity", "300 kW"),
 }
 WANTED = {
     "air": ("free_air_delivered", 10.0 / 60.0),
     "halocarbon": ("cooling_capacity", 150e3),
+    "heat pump": ("heating_capacity", 500e3),
     "ammonia": ("cooling_capacity", 300e3),
 }
 
@@ -83,7 +85,7 @@ def test_scenes_state_the_line_between_them_as_it_was_found(written):
 
 def test_what_lies_between_suits_the_gas(written):
     name, (_, chain, result, _) = written
-    kinds = {"air": "cooler", "halocarbon": "economizer", "ammonia": "flash_intercooler"}
+    kinds = {"air": "cooler", "halocarbon": "economizer", "heat pump": "economizer", "ammonia": "flash_intercooler"}
     assert chain.intercooler.kind == kinds[name]
     if name != "air":
         return
@@ -107,7 +109,12 @@ def test_what_lies_between_suits_the_gas(written):
             ["air", "-o", "x.yaml"],
             "-o x.yaml: the file that joins two stages must end in .stages.yaml (write -o x.stages.yaml)",
         ),
-        (["expander"], "--two-stage: is for air and refrigeration (remove it)"),
+        (["expander"], "--two-stage: is for air, refrigeration and heat_pump (remove it)"),
+        (
+            ["booster"],
+            "write a booster to the pressure between and one from it, and join them: docs/how-to/two-stages.md)",
+        ),
+        (["heat_pump", "--condition", "20/65 degC"], "a pressure ratio of 3.36 takes one stage"),
         (["air", "--motor", "90 kW"], "--motor: each stage has a motor of its own"),
         (["air", "--vi", "3"], "--vi: each stage has its own built-in volume ratio"),
         (["refrigeration", "--slide"], "--slide: a slide valve belongs to one stage"),

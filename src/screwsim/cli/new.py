@@ -46,7 +46,7 @@ def new(
     ),
     two_stage: bool = switch(
         "--two-stage",
-        "Two stages in series (air, refrigeration): two scenes beside -o NAME.stages.yaml, which joins them.",
+        "Two stages in series (air, refrigeration, heat_pump): two scenes beside -o NAME.stages.yaml, joining them.",
     ),
     output: File = option("SCENE.yaml", "File to write it to (default: the screen).", "-o"),
 ) -> None:

@@ -9,9 +9,10 @@ size (M450): a four-pole IE3 motor of 75 kW at 50 Hz has 0.950, which is the def
 Assumptions: without `inverter` the loss depends on the speed only through the power; it heats neither gas nor oil, or
 with `cooling: suction_gas` (semi-hermetic machines) it heats the gas on its way to the suction line (M275). An
 expander's generator loses the same at the same load. The ledger divides the shaft power, so it does not hold this loss.
-Above SERVICE_FACTOR times the rated power, or with an inverter the rated torque, there is a warning; above BREAKDOWN
-times a motor stalls (IEC 60034-12 asks for 1.6 to 2 times the rated torque, catalogues state up to 3.5), and the point
-has failed; above the rated speed of an inverter both fall with the speed squared.
+Above SERVICE_FACTOR times the rated power there is a warning, behind an inverter above the rated power, or above that
+factor of the rated torque (assumed: NEMA has none below rated speed). Above BREAKDOWN times a motor stalls (IEC
+60034-12 asks for 1.6 to 2 times the rated torque, catalogues state up to 3.5), and the point has failed; above the
+rated speed of an inverter both fall with the speed squared.
 Parameters: rated_power, efficiency or efficiency_class with poles, constant_share or efficiency_file, cooling,
 drive_efficiency or inverter.
 """
@@ -53,7 +54,8 @@ BESIDE_CLASS = (
     "is given as well as efficiency_class (remove one of the two; a base's value is dropped by {1}: null, or --set "
     "{0}.{1}=null)"
 )
-SERVICE_FACTOR = 1.15  # times the rated power that common motors carry for long: NEMA MG 1, service factor
+# times the rated power that common motors carry for long, on the mains and behind an inverter: NEMA MG 1, parts 12, 31
+SERVICE_FACTOR, SERVICE_FACTOR_OF_INVERTED = 1.15, 1.0
 KNOWN_LOSS, BREAKDOWN = 1.25, 3.5  # times the rated power, or torque: range of M148, and what no motor carries
 TOO_GOOD = 0.015  # excess of the default efficiency over that of its class at the rated power, above which it is told
 SUCTION, STATED = "suction_gas", "stated"
@@ -115,6 +117,11 @@ class Parameters:
         """Whether the electrical power includes losses of an inverter."""
         return self.inverter is not None or self.drive_efficiency < 1.0
 
+    @property
+    def service_factor(self) -> float:
+        """Times the rated power, or behind an inverter the rated current, that common motors carry for long."""
+        return SERVICE_FACTOR_OF_INVERTED if self.inverts else SERVICE_FACTOR
+
     def carried(self, omega: float) -> float:
         """Return the power [W] that it carries for long at a speed [rad/s] of the male rotor.
 
@@ -170,12 +177,22 @@ def motor_loss(parameters: Parameters, load: float, loss: Loss) -> tuple[float, 
     return own, driven - load
 
 
-def beyond_rating(share: float) -> str:
-    """Return in words that a load, a share of the rated power, lies above it; empty where it does not, to a percent."""
+def is_beyond(share: float, factor: float) -> bool:
+    """Return whether a load, a share of the rated one, exceeds a service factor; that of an inverter to a percent."""
+    return (round(share, 2) if factor == SERVICE_FACTOR_OF_INVERTED else share) > factor
+
+
+def beyond_rating(share: float, factor: float) -> str:
+    """Return in words that a load, a share of the rated power, lies above it; empty where it does not, to a percent.
+
+    `factor` is the motor's service factor.
+    """
     if round(share, 2) <= 1.0:
         return ""
-    place = ", within" if share <= SERVICE_FACTOR else " and"
-    return f"above its rating{place} a service factor of {SERVICE_FACTOR:g} (NEMA MG 1)"
+    if factor == SERVICE_FACTOR_OF_INVERTED:
+        return "above its rating, which is all that it carries for long on an inverter (NEMA MG 1)"
+    place = " and" if is_beyond(share, factor) else ", within"
+    return f"above its rating{place} a service factor of {factor:g} (NEMA MG 1)"
 
 
 def losses_of(parameters: Parameters) -> Callable[[float, float], tuple[float, float]]:
@@ -221,15 +238,19 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
             beyond = (*beyond, *inverters.told(at))
             if at.speed < 1.0 or at.full_field > 1.0:
                 of = "torque" if at.weakening == 1.0 else "current"
-        if share <= SERVICE_FACTOR:
+        by_power = is_beyond(load / parameters.carried(figures.omega), parameters.service_factor)
+        if not by_power and share <= SERVICE_FACTOR:
             return "", beyond
+        factor = parameters.service_factor
+        if drive is not None and figures.omega < drive.rated_speed:
+            factor, of = (SERVICE_FACTOR, "torque") if share > SERVICE_FACTOR else (factor, "power")
         what = f"the motor's load is {1e-3 * load:.4g} kW, {load / rated:.3g} times effects.motor.rated_power"
         if of != "power":
             what = f"the motor's {of} is {share:.3g} times its rated one, at {figures.omega * 30.0 / pi:.4g} rpm"
         if share > BREAKDOWN:
             return f"{what}: no motor carries more than {BREAKDOWN:g} times its rated {of} (choose a larger one)", ()
         lost = ", and its losses are outside the range of M148" if share > KNOWN_LOSS else ""
-        why = f"{what}: it would not last above a service factor of {SERVICE_FACTOR:g} (NEMA MG 1){lost}"
+        why = f"{what}: it would not last {_limit_in_words(factor)} (NEMA MG 1){lost}"
         return "", (f"{why} (choose a larger one)", *beyond)
 
     def read(figures) -> Given:
@@ -251,6 +272,13 @@ def build(parameters: Parameters, machine) -> list[Reading | SuctionHeat]:
     reading = Reading(names_of(FIGURES), read, judge=judge)
     heat = SuctionHeat(lambda power, omega: losses(power, omega)[0])  # the motor's loss (M275)
     return [reading, heat] if parameters.cooling == SUCTION else [reading]
+
+
+def _limit_in_words(factor: float) -> str:
+    """Return above what a motor of a service factor would not last."""
+    if factor == SERVICE_FACTOR_OF_INVERTED:
+        return "above its rating on an inverter"
+    return f"above a service factor of {factor:g}"
 
 
 def _too_good(parameters: Parameters) -> tuple[str, ...]:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from screwsim.build import open_values, separator_effects
+from screwsim.build import open_values, package_of, separator_effects
 from screwsim.cycle.balances import heat_flowing_back
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
@@ -22,7 +22,7 @@ from screwsim.model.slots import R_OIL_BEFORE
 from screwsim.outputs import Figures
 from screwsim.outputs.customary import celsius, in_bar
 from screwsim.scene.plausible import scene_warnings
-from screwsim.scene.types import FoundWithCycle
+from screwsim.scene.types import FoundWithCycle, parameters_of_type
 
 CONTRADICTS = 1.0  # [K] between a stated separator temperature and that of its balance, tolerated
 OPEN_TO_SUCTION = math.radians(1.0)  # of a plenum's port before the end of suction, tolerated
@@ -30,6 +30,7 @@ HARDLY_KNOWN = 0.01  # relative error of figures over the net flow that deserves
 OVER_FLOW = "specific_power", "oil_flow_ratio", "economizer_flow_ratio", "liquid_injection_flow_ratio"
 MOST_OIL = 1 / 3  # of a chamber: neglected, it costs some 5 % of the power, 30 % of the peak pressure (test_oil_volume)
 LEFT_BEHIND, RECOMPRESSED = 0.005, 2.0  # gas left where a chamber vanishes, over the charge, and its pressure over p_d
+DENSEST_ROOM = 1.2e5  # [Pa] ambient pressure at the most, that of a mine of 1.5 km
 LOST, LOST_DRY = 0.02, 0.05  # of the shaft power: heat to suction, or from outside, that deserves a warning
 
 
@@ -132,6 +133,23 @@ def _separator_warnings(of: Evaluation) -> Iterator[str]:
         f"the separator's balance closes at {celsius(T)}, not at the stated {celsius(stated)}: it would need {what} "
         f"(name effects.{stating(CoolsOil)}, which finds the temperature)"
     )
+
+
+def _oil_colder_than_room(of: Evaluation) -> Iterator[str]:
+    """Yield that oil is colder than the air with which the fan of a package cools it.
+
+    A cooler with a size bounds it, by its own coolant; a second stage, which takes no air of the room, has another.
+    """
+    circuit, scene, at = of.circuit, of.problem.scene, of.problem.lines
+    if not isinstance(circuit, Circuit) or at.p_s > DENSEST_ROOM:
+        return
+    bounded = any(one.bounded for one in parameters_of_type(scene.effects, CoolsOil).values())
+    oil = circuit.outflow.T_supply
+    if getattr(package_of(scene), "fan", None) is None or bounded or oil >= at.T_s:
+        return
+    what = f"the oil is cooled to {celsius(oil)}, below the {celsius(at.T_s)} of the air with which the fan cools it"
+    remedy = "state a warmer oil, or a cooler with a conductance and its coolant_temperature"
+    yield f"{what} ({remedy})"
 
 
 def doubts(problem: Problem, found: Figures, error: Figures) -> tuple[tuple[str, ...], tuple[str, ...]]:
@@ -267,7 +285,7 @@ def _last_open(path: FlowPath) -> float:
 CAUTIONS = (  # in the order in which they are told
     *(_more_oil_than_asked, _oil_fills_chamber, _unfitted_bore, _open_to_suction, _lost_to_suction),
     *(_warmed_from_outside, late_valves.warnings, _separator_warnings, humidity.warnings, _open_values, _of_effects),
-    *(_nothing_delivered, _little_flow, _flows_back_through_intake, _left_behind),
+    *(_oil_colder_than_room, _nothing_delivered, _little_flow, _flows_back_through_intake, _left_behind),
 )
 
 

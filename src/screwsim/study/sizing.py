@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
-from screwsim.effects.motor import SERVICE_FACTOR, beyond_rating
+from screwsim.effects.motor import Parameters as Motor
+from screwsim.effects.motor import beyond_rating, is_beyond
 from screwsim.figures.engineering import figure_text
 from screwsim.fluid import constants
 from screwsim.inputs.faults import UsageError
@@ -167,16 +168,17 @@ def _computed(found: SizedMachine) -> str:
 
 def motor_load(power: float, scene: Scene) -> str:
     """Return the load of a scene's motor or generator by a shaft power [W], in words."""
-    rated = _rated_power(scene)
-    beyond = beyond_rating(abs(power) / rated)
+    motor = _motor_of(scene)
+    rated = motor.rated_power
+    beyond = beyond_rating(abs(power) / rated, motor.service_factor)
     drive = "a generator" if scene.machine.expands else "a motor"
     return f"{100.0 * abs(power) / rated:.0f} % of {drive} of {1e-3 * rated:g} kW{f', {beyond}' if beyond else ''}"
 
 
-def _rated_power(scene: Scene) -> float:
-    """Return the rated power [W] of the scene's motor or generator."""
+def _motor_of(scene: Scene) -> Motor:
+    """Return the scene's motor or generator."""
     every = (active.parameters for active in scene.effects.values())
-    return next(parameters.rated_power for parameters in every if hasattr(parameters, "rated_power"))
+    return next(parameters for parameters in every if isinstance(parameters, Motor))
 
 
 def _power(power: float) -> str:
@@ -191,9 +193,11 @@ def _unusual(asked: SceneRequest, found: SizedMachine) -> Iterator[str]:
         ratio = p.package_discharge_pressure / p.suction_pressure
         what = f"a pressure ratio of {ratio:.3g} in one stage: makers build one for 13 to 15 bar(g) at most"
         yield f"{what}, and two beyond (--two-stage writes them)"
-    load = abs(p.shaft_power) / _rated_power(scene)
-    if asked.motor is not None and not LIGHT <= load <= SERVICE_FACTOR:
-        word = "more" if load > SERVICE_FACTOR else "less"
+    motor = _motor_of(scene)
+    load = abs(p.shaft_power) / motor.rated_power
+    overloaded = is_beyond(load, motor.service_factor)
+    if asked.motor is not None and (overloaded or load < LIGHT):
+        word = "more" if overloaded else "less"
         size = "--capacity" if COOLS in p else "--flow"
         check = f"{size}, --motor and {'--pressure' if DELIVERED in p else '--condition'}"
         yield f"the motor carries {word} than data sheets show (check {check}, or --speed)"

@@ -18,9 +18,10 @@ from screwsim.study.stages.chain import StageChain
 from screwsim.template import two_stages
 from screwsim.template.request import SceneRequest
 from screwsim.template.sizes import rounded_flow
-from screwsim.template.two_stages import AIR, Ends, Found
+from screwsim.template.two_stages import AIR, COOLING, HEATING, Ends, Found
 
-DELIVERED, COOLS = "free_air_delivered", "cooling_capacity"
+DELIVERED, COOLS, HEATS = "free_air_delivered", "cooling_capacity", "heating_capacity"
+STATED = {AIR: DELIVERED, COOLING: COOLS, HEATING: HEATS}
 NEAR, TRIES = 1e-3, 8  # relative tolerance of what is delivered, and number of pairs of sizes tried
 FIRM, ROUNDED = 3, 5e-3  # numbers of scenes are rounded, so that sizes jump: the tolerance after so many tries
 EQUAL, NEARLY = 0.02, 0.05  # relative tolerance of the pressure between both, and that after FIRM tries
@@ -39,7 +40,7 @@ class SizedStages(NamedTuple):
 def sized_stages(kind: str, asked: SceneRequest) -> SizedStages:
     """Return two new stages that deliver what is asked for; raise UsageError, in one line, where none do."""
     ends = two_stages.ends_of(kind, asked)
-    figure, wanted = (DELIVERED, asked.free_air) if kind == AIR else (COOLS, asked.capacity)
+    figure, wanted = STATED[kind], asked.free_air if kind == AIR else asked.capacity
     found = two_stages.first_found(kind, asked, ends)
     wider = TIMES
     for count in range(TRIES):
@@ -96,7 +97,7 @@ def performance_lines(kind: str, found: SizedStages) -> Iterator[str]:
     if found.result.status != "ok":
         yield f"warning: the machines do not run: {found.result.message} (choose another --condition or size)"
         return
-    does = _air_in_words(p) if kind == AIR else _plant_in_words(p)
+    does = _air_in_words(p) if kind == AIR else _plant_in_words(p, kind == HEATING)
     loads_in_words = (_load(p, name, scene) for name, scene in found.chain.by_stage.items())
     yield f"computed: {does}; {', '.join(loads_in_words)}"
     first, second = (f"{p[f'{name}_pressure_ratio']:.3g}" for name in STAGE_NAMES)
@@ -122,6 +123,8 @@ def _air_in_words(p: Mapping[str, Any]) -> str:
     return f"delivers {delivers}, takes {takes} with motors and fan, {per_flow}"
 
 
-def _plant_in_words(p: Mapping[str, Any]) -> str:
-    cools, takes = (figure_text(name, p[name]) for name in (COOLS, "electrical_power"))
-    return f"cools {cools}, takes {takes} with its motors, COP {p['electrical_cop']:.3g} of cooling"
+def _plant_in_words(p: Mapping[str, Any], heats: bool) -> str:
+    does, of = ("heats", "heating") if heats else ("cools", "cooling")
+    gives, takes = (figure_text(name, p[name]) for name in (HEATS if heats else COOLS, "electrical_power"))
+    cop = p["electrical_heating_cop" if heats else "electrical_cop"]
+    return f"{does} {gives}, takes {takes} with its motors, COP {cop:.3g} of {of}"

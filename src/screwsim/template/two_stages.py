@@ -18,8 +18,10 @@ from screwsim.template.duty import COPPER_CORROSIVES, EFFICIENCIES, duty_of
 from screwsim.template.request import ATMOSPHERE, SPEED, SceneRequest, Stage
 
 OPTION, ENDING = "--two-stage", ".stages.yaml"
-AIR, COOLING = "air", "refrigeration"
-CONDITIONS = {AIR: "0 bar(g)/10 bar(g), 20 degC", COOLING: "-30/40 degC"}  # of two stages, by kind
+AIR, COOLING, HEATING = "air", "refrigeration", "heat_pump"
+PLANTS = {COOLING: refrigeration.COOLING, HEATING: refrigeration.HEATING}
+# of two stages, by kind
+CONDITIONS = {AIR: "0 bar(g)/10 bar(g), 20 degC", COOLING: "-30/40 degC", HEATING: "0/80 degC"}
 LEAST_RATIO, LARGEST_RATIO = (
     6.0,
     256.0,
@@ -39,6 +41,9 @@ TOLD = {  # comment on what lies between both stages, by its kind
         "# That margin and the pressure drop are assumed."
     ),
     "none": "# No cooler: the water of saturated air from the inlet would condense in it.",
+}
+ALONE = {  # what is written instead of two stages, by kind
+    "booster": "; write a booster to the pressure between and one from it, and join them: docs/how-to/two-stages.md"
 }
 REFUSED = {
     "--motor": "each stage has a motor of its own, for the load that is found",
@@ -101,7 +106,8 @@ def names_from(stages: str) -> Names:
 def check_options(kind: str, stated: Mapping[str, Any]) -> None:
     """Raise UsageError for a kind that is not written in two stages, or an option that they do not take."""
     if kind not in CONDITIONS:
-        raise UsageError(f"{OPTION}: is for {joined_names(list(CONDITIONS))} (remove it)")
+        what = f"is for {joined_names(list(CONDITIONS))}"
+        raise UsageError(f"{OPTION}: {what} (remove it{ALONE.get(kind, '')})")
     for option, why in REFUSED.items():
         if stated.get(option):
             raise UsageError(f"{option}: {why} (remove it, and change the scenes that are written)")
@@ -110,7 +116,7 @@ def check_options(kind: str, stated: Mapping[str, Any]) -> None:
 def ends_of(kind: str, asked: SceneRequest) -> Ends:
     """Return the outer ends of two stages; raise UsageError, in one line, where they make no sense."""
     asked = replace(asked, condition=asked.condition or CONDITIONS[kind])
-    ends = _ends_of_air(asked) if kind == AIR else _ends_of_cooling(asked)
+    ends = _ends_of_air(asked) if kind == AIR else _ends_of_plant(kind, asked)
     ratio = ends.p_d / ends.p_s
     if ratio < LEAST_RATIO:
         what = f"a pressure ratio of {ratio:.3g} takes one stage; two make sense from about {LEAST_RATIO:g}"
@@ -131,15 +137,15 @@ def _ends_of_air(asked: SceneRequest) -> Ends:
     return replace(ends, cooled=cooled) if cooled < gas.LEAVES else ends
 
 
-def _ends_of_cooling(asked: SceneRequest) -> Ends:
-    example = CONDITIONS[COOLING]
-    states = duty_of(_refrigerant(asked), 1.0, asked.condition or example, example)
+def _ends_of_plant(kind: str, asked: SceneRequest) -> Ends:
+    example = CONDITIONS[kind]
+    states = duty_of(_refrigerant(kind, asked), 1.0, asked.condition or example, example)
     low, high = (f"{T - ZERO_CELSIUS:.6g} degC" for T in (states.T_e, states.T_c))
     return Ends(states.p_s, states.p_d, low, high, states.T_e + states.more, f"{states.more:g} K")
 
 
-def _refrigerant(asked: SceneRequest) -> str:
-    return asked.fluid or refrigeration.COOLING.fluid
+def _refrigerant(kind: str, asked: SceneRequest) -> str:
+    return asked.fluid or PLANTS[kind].fluid
 
 
 def first_found(kind: str, asked: SceneRequest, ends: Ends) -> Found:
@@ -150,15 +156,15 @@ def first_found(kind: str, asked: SceneRequest, ends: Ends) -> Found:
         suction = ends.cooled or gas.LEAVES
         second = flow * ends.p_s / ends.between * suction / ends.T
     else:
-        suction = _mixed_suction(asked, ends)
+        suction = _mixed_suction(_refrigerant(kind, asked), ends)
         second = flow * ends.p_s / ends.between
     return Found(flow, sizes.rounded_flow(second), ends.between, suction)
 
 
-def _mixed_suction(asked: SceneRequest, ends: Ends) -> float:
+def _mixed_suction(fluid: str, ends: Ends) -> float:
     """Return an estimate of the second stage's suction temperature [K]: gas of the first with vapour of the tank."""
-    fluid, T = _refrigerant(asked), ends.T
-    T_m, k = constants.saturation_temperature(fluid, ends.between), constants.isentropic_exponent(fluid, ends.T)
+    T = ends.T
+    T_m, k = constants.saturation_temperature(fluid, ends.between), constants.isentropic_exponent(fluid, T)
     if fluid.lower() in COPPER_CORROSIVES:
         return T_m  # the tank's liquid cools the gas to saturation
     hot = T + T * ((ends.between / ends.p_s) ** ((k - 1.0) / k) - 1.0) / EFFICIENCIES[1]
@@ -178,11 +184,11 @@ def scenes_of(kind: str, asked: SceneRequest, ends: Ends, found: Found) -> tuple
         low = replace(low, condition=f"{ends.low}/{between}, {ends.beside}", stage=stage)
         high = replace(high, condition=f"{between}/{ends.high}, {warm}", stage=replace(stage, second=True))
         return gas.air(low), gas.air(high)
-    T_m = constants.saturation_temperature(_refrigerant(asked), found.between)
+    T_m = constants.saturation_temperature(_refrigerant(kind, asked), found.between)
     between, more = f"{T_m - ZERO_CELSIUS:.3g} degC", max(found.suction - T_m, 0.0)
     low = replace(low, condition=f"{ends.low}/{between}, {ends.beside}", stage=Stage(second=False))
     high = replace(high, condition=f"{between}/{ends.high}, {more:.0f} K", stage=Stage(second=True))
-    plant = refrigeration.COOLING
+    plant = PLANTS[kind]
     return refrigeration.scene_of(plant, low), refrigeration.scene_of(plant, high)
 
 
@@ -196,8 +202,8 @@ class Between(NamedTuple):
 
 def between_of(kind: str, asked: SceneRequest, ends: Ends) -> Between:
     """Return what lies between both stages."""
-    if kind == COOLING:
-        return Between("flash_intercooler" if _refrigerant(asked).lower() in COPPER_CORROSIVES else "economizer")
+    if kind in PLANTS:
+        return Between("flash_intercooler" if _refrigerant(kind, asked).lower() in COPPER_CORROSIVES else "economizer")
     return Between("none") if ends.cooled is None else Between("cooler", ends.cooled, PRESSURE_DROP)
 
 
@@ -208,12 +214,13 @@ def stages_text(kind: str, asked: SceneRequest, ends: Ends, names: Names) -> str
     if ends.cooled is not None:
         cooled = f"{ends.cooled - ZERO_CELSIUS:g} degC"
         entry += f", outlet_temperature: {cooled}, pressure_drop: {1e-5 * PRESSURE_DROP:g} bar"
-    fluid = "Air" if kind == AIR else _refrigerant(asked)
+    fluid = "Air" if kind == AIR else _refrigerant(kind, asked)
+    plant = "heat pump" if kind == HEATING else "refrigeration plant"
     lines = f"{ends.low}/{ends.high}"
     values = {
-        "what": "An oil-flooded air package" if kind == AIR else f"A refrigeration plant on {fluid}",
+        "what": "An oil-flooded air package" if kind == AIR else f"A {plant} on {fluid}",
         "between": in_bar(float(f"{ends.between:.3g}")),
-        "title": f"{'Air package' if kind == AIR else f'Refrigeration plant, {fluid}'}, {lines}, two stages",
+        "title": f"{'Air package' if kind == AIR else f'{plant.capitalize()}, {fluid}'}, {lines}, two stages",
         "low": names.low,
         "high": names.high,
         "told": TOLD[between.kind],

@@ -17,7 +17,7 @@ from screwsim.scene import Scene, with_values
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import P_D
 from screwsim.study.datasheet.air_points import SHARE, Point, heads_of, point_row, points_at
-from screwsim.study.datasheet.bounds import Limit, motor_of
+from screwsim.study.datasheet.bounds import Limit, field_stays, motor_of
 from screwsim.study.datasheet.carried import carried_point, shaft_power, speed_in, speed_search
 from screwsim.study.datasheet.marks import marks_of
 from screwsim.study.datasheet.rated import faults_of, read_values
@@ -59,7 +59,7 @@ def read_pressures(outlet: Scene, inlet: float, text: str | None, swept: Sequenc
     """
     if text is None:
         return tuple(swept)
-    pressures = read_values(outlet, P_D, text, OPTION, EXAMPLE, VALUES_PER_RANGE, least=1)
+    pressures = read_values(outlet, P_D, text, OPTION, EXAMPLE, VALUES_PER_RANGE)
     for pressure in pressures:
         if pressure <= inlet:
             what = f"{in_bar(pressure)} is not above the {in_bar(inlet)} of the inlet (choose a higher one)"
@@ -133,9 +133,10 @@ def pressures_tables(
     lowest = [each.lowest for each in pressures if each.lowest is not None]
     full = [(each.pressure, each.full) for each in pressures]
     notes = []
-    if bounded := [each.full for each in pressures if each.bounded]:
-        carried = units.quantity("W", motor_of(scene).carried(bounded[0].rotor_speed))
-        notes.append(f"the speed of full flow is at most the one that loads the motor with its {carried}")
+    if any(each.bounded for each in pressures):
+        motor = motor_of(scene)
+        its = "what it carries there" if field_stays(motor) else f"its {units.quantity('W', motor.rated_power)}"
+        notes.append(f"the speed of full flow is at most the one that loads the motor with {its}")
     if lowest:
         notes.append(f"lowest flow at {lowest[0].rotor_speed / RPM:.0f} rpm")
     table = _table("Full flow over the outlet pressure", scene, full, limits, units, (*notes, AS_STATED))

@@ -2,11 +2,13 @@
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import groupby
 from typing import Any, NamedTuple
 
 from screwsim.figures import declared
 from screwsim.figures.engineering import figure_text, shown_name
+from screwsim.outputs.customary import RPM
 from screwsim.scene import Scene
 from screwsim.study.asked.goals import Bound, read_bounds
 from screwsim.study.datasheet.assumed import SOURCE, Assumed, assumed_limits
@@ -16,7 +18,41 @@ from screwsim.study.stages.chain import StageChain
 MOTOR = "motor"
 RATED = f"effects.{MOTOR}.rated_power"
 FIELD = f"effects.{MOTOR}.inverter.full_field_speed"  # by which it carries more above its rated speed
-Limit = Bound | Assumed
+TURN = 2.0 * math.pi
+
+
+@dataclass(frozen=True)
+class Carried:
+    """What a motor carries whose field stays above its rated speed: a power [W] that rises with the speed from there.
+
+    `value` [W] is that at a speed `omega` [rad/s] of the rotors, which the sheet names.
+    """
+
+    figure: str
+    motor: Any
+    omega: float
+    sign = "<"
+
+    @property
+    def value(self) -> float:
+        """What it carries [W] at the speed that the sheet names."""
+        return float(self.motor.carried(self.omega))
+
+    def excess_in(self, found: Mapping[str, Any]) -> float:
+        """Return by how much [W] a point's power exceeds what its speed allows; NaN for one without a power."""
+        power = found.get(self.figure)
+        if power is None:
+            return math.nan
+        omega = TURN * found["displacement_flow"] / found["displacement"]
+        return float(power) - float(self.motor.carried(omega))
+
+    def in_words(self, units: Units) -> str:
+        """Return the limit at the speed that the sheet names."""
+        power = limit_text(self.figure, self.value, units)
+        return f"{shown_name(self.figure)} {self.sign} {power} at {self.omega / RPM:.0f} rpm, at others by the speed"
+
+
+Limit = Bound | Assumed | Carried
 
 
 def motor_of(scene: Scene) -> Any:
@@ -25,9 +61,15 @@ def motor_of(scene: Scene) -> Any:
     return None if named is None else named.parameters
 
 
+def field_stays(motor: Any) -> bool:
+    """Return whether a motor's field stays above its rated speed, so that it carries more there."""
+    drive = motor.inverter
+    return drive is not None and (drive.full_field_speed or drive.rated_speed) > drive.rated_speed
+
+
 def excess_of(bound: Limit, found: Mapping[str, Any]) -> float:
     """Return by how much [SI] a limit is exceeded; negative within it, NaN for a figure without a value."""
-    if isinstance(bound, Assumed):
+    if isinstance(bound, Assumed | Carried):
         return bound.excess_in(found)
     value = found.get(bound.figure)
     return math.nan if value is None else bound.excess(float(value))
@@ -35,7 +77,7 @@ def excess_of(bound: Limit, found: Mapping[str, Any]) -> float:
 
 def bound_words(bound: Limit, units: Units) -> str:
     """Return a limit as people write it."""
-    if isinstance(bound, Assumed):
+    if isinstance(bound, Assumed | Carried):
         return bound.in_words(units)
     return f"{shown_name(bound.figure)} {bound.sign} {limit_text(bound.figure, bound.value, units)}"
 
@@ -74,12 +116,24 @@ def with_limits_of(subject: Scene | StageChain, stated: Sequence[Bound]) -> dict
     for power, scene, source in powers:
         motor = motor_of(scene)
         if motor is not None and not any(bound.figure == power for bound in found):
-            carried = float(motor.carried(scene.operation.speed))
-            by_field = carried > motor.rated_power
-            found[Bound(power, "<", carried)] = source.replace(RATED, FIELD) if by_field else source
+            found |= _motor_limit(subject, power, scene, source)
     if isinstance(subject, Scene):
         found |= dict.fromkeys(assumed_limits(subject, stated), SOURCE)
     return found
+
+
+def _motor_limit(subject: Scene | StageChain, power: str, scene: Scene, source: str) -> dict[Limit, str]:
+    """Return what a motor carries and where that is stated: one power, or of a field that stays one by the speed.
+
+    Points of two stages do not tell the speeds; theirs is that at the scene's own speed.
+    """
+    motor, speed = motor_of(scene), scene.operation.speed
+    if not field_stays(motor):
+        return {Bound(power, "<", float(motor.rated_power)): source}
+    source = source.replace(RATED, FIELD)
+    if isinstance(subject, Scene):
+        return {Carried(power, motor, speed): source}
+    return {Bound(power, "<", float(motor.carried(speed))): source}
 
 
 class EnvelopeRange(NamedTuple):

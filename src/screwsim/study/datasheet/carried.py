@@ -2,17 +2,19 @@
 
 import math
 
+from screwsim.numerics.roots import brentq
 from screwsim.outputs.customary import RPM
 from screwsim.scene import Scene
 from screwsim.scene.operation import SPEED
 from screwsim.study.asked.goals import Goal
 from screwsim.study.asked.spans import Span
 from screwsim.study.datasheet.air_points import Point, points_at
-from screwsim.study.datasheet.bounds import motor_of
+from screwsim.study.datasheet.bounds import field_stays, motor_of
 from screwsim.study.pool.progress import Progress
 from screwsim.study.seek import GoalSeekAnswer, Question, find_each
 
 SLOWEST = 0.4  # of a package's only speed, above which one is sought that its motor carries
+NEAR = 0.2 * RPM  # [rad/s] to which a speed is sought where the motor carries more at a higher one
 STEPS = 3  # of a revolution per minute by which the speed found is lowered while the motor is loaded beyond its rating
 
 
@@ -34,8 +36,10 @@ def carried_point(scene: Scene, fast: Point, slow: Point | None) -> Point | None
         (slow,) = points_at(scene, (SLOWEST * fast.speed,), Progress())
     if not slow.ok or _load(scene, slow) >= 1.0:
         return None
-    carried = motor_of(scene).carried(fast.rotor_speed)
-    speed = speed_in(speed_search(scene, carried, (slow.speed, fast.speed)))
+    if field_stays(motor_of(scene)):
+        speed = _carried_by_speed(scene, slow, fast)
+    else:
+        speed = speed_in(speed_search(scene, motor_of(scene).rated_power, (slow.speed, fast.speed)))
     if speed is None:
         return None
     for lower in range(STEPS):  # the search and the point agree to the accuracy asked for
@@ -44,6 +48,22 @@ def carried_point(scene: Scene, fast: Point, slow: Point | None) -> Point | None
         if point.ok and _load(scene, point) <= 1.0:
             return point
     return None
+
+
+def _carried_by_speed(scene: Scene, slow: Point, fast: Point) -> float | None:
+    """Return the speed [rad/s] at which a motor whose field stays has the load that it carries there; None without one.
+
+    `slow` loads it less, `fast` more.
+    """
+    known = {slow.speed: slow, fast.speed: fast}
+
+    def excess(speed: float) -> float:
+        if speed not in known:
+            (known[speed],) = points_at(scene, (speed,), Progress())
+        return _load(scene, known[speed]) - 1.0 if known[speed].ok else math.inf
+
+    found = brentq(excess, slow.speed, fast.speed, xtol=NEAR)
+    return found if all(point.ok for point in known.values()) else None
 
 
 def _load(scene: Scene, point: Point) -> float:

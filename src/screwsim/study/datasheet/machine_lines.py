@@ -25,7 +25,8 @@ def machine_line(scene: Scene, found: Mapping[str, Any], units: Units = METRIC) 
 
 def load_in_words(motor: Any, power: float, omega: float, where: str) -> str:
     """Return the load of a motor by its power [W] and the rotors' speed [rad/s]; `where` says at which point."""
-    share, beyond = abs(power) / motor.rated_power, beyond_rating(abs(power) / motor.carried(omega))
+    share = abs(power) / motor.rated_power
+    beyond = beyond_rating(abs(power) / motor.carried(omega), motor.service_factor)
     return f", {100.0 * share:.0f} % of it {where}{f', {beyond}' if beyond else ''}"
 
 

@@ -215,17 +215,16 @@ def read_values(
     option: str,
     example: str,
     count: int | Callable[[float, float], int],
-    least: int = 2,
 ) -> tuple[float, ...]:
-    """Return the values [SI] of a path that a text states, ascending: a list 'A, B, C', or a range LOW..HIGH.
+    """Return the values [SI] of a path that a text states, ascending: 'A', a list 'A, B, C', or a range LOW..HIGH.
 
-    A range has `count` values, which may follow from its ends; bare numbers of a list have the unit of its last value,
-    and a list has at `least` so many. Raises UsageError in one line.
+    A range has `count` values, which may follow from its ends; bare numbers of a list have the unit of its last value.
+    Raises UsageError in one line.
     """
     both, listed = ends_of(text), [part.strip() for part in text.split(",")]
-    if both is None and (len(listed) < least or not all(listed)):
+    if both is None and not all(listed):
         raise UsageError(
-            f"{option} {text}: is neither LOW..HIGH nor a list of values (write e.g. {option} '{example}')"
+            f"{option} {text}: is neither LOW..HIGH nor one value or several (write e.g. {option} '{example}')"
         )
     unit = unit_behind(listed[-1])
     stated = both or [f"{part} {unit}".strip() if re.fullmatch(NUMBER, part) else part for part in listed]

@@ -26,8 +26,8 @@ from screwsim.study.datasheet.columns import BAR, KW, NONE, Column, in_units
 from screwsim.study.datasheet.load_unload import Receiver, check_receiver
 from screwsim.study.datasheet.rated import Part, answers_of
 from screwsim.study.datasheet.sheet import Sheet, Table
+from screwsim.study.datasheet.stages_carried import SPEEDS, Pair, carried_stages
 from screwsim.study.datasheet.stages_pressures import (
-    SPEEDS,
     stages_at_pressures,
     stages_pressures_document,
     stages_pressures_table,
@@ -76,6 +76,7 @@ def air_stages_sheet(
     outlets = read_pressures(chain.second, lines(chain.first).p_s, pressures)
     own, found = _rated(chain, jobs, progress)
     others = stages_at_pressures(grid.without_sweep(chain), outlets, own, jobs, progress)
+    own, found, beyond = _bounded(chain, own, found)
     speeds = [_reached(each, result) for each, result in zip(own, found, strict=True)]
     points = [Point(both[0], each.as_result()) for both, each in zip(speeds, found, strict=True)]
     control = None if receiver is None else control_of(receiver, lines(chain.first), points)
@@ -86,7 +87,7 @@ def air_stages_sheet(
         [*(f"{speed / RPM:.0f}" for speed in both), *point_row(point, rated.full, units)[1:]]
         for both, point in zip(speeds, points, strict=True)
     ]
-    beside = list(named(others, lines(chain.first).p_s, units))
+    beside = list(named([each.at for each in others], lines(chain.first).p_s, units))
     at_others = {"pressures": stages_pressures_document(others, speeds, _figures)} if others else {}
     profile = {"profile": year_document(shares, receiver)} if shares else {}
     at_pressures = [stages_pressures_table(chain, others, speeds, units)] if others else []
@@ -94,11 +95,11 @@ def air_stages_sheet(
     return Sheet(
         heading="Two-stage air package, rating by ISO 1217",
         title=with_printed_units(chain.title),
-        lines=list(_lines(chain, rated, found[0])),
+        lines=list(_lines(chain, rated, found[0], beyond)),
         tables=[*tables, *([year_table(rated, shares, [*map(motor_of, chain.by_stage.values())])] if shares else [])],
         notes=list(_notes(chain, [*zip(_names(speeds), points, strict=True), *beside])),
         drawings=list(air_sheet.drawings_of(rated)),
-        document={**_document(chain, speeds, rated, found), **at_others, **profile},
+        document={**_document(chain, speeds, rated, found, beyond is not None), **at_others, **profile},
         ok=all(point.ok for point in [*points, *(point for _, point in beside)]),
     )
 
@@ -120,6 +121,21 @@ def _rated(
     base, dead = grid.without_sweep(chain), ChainResult("failed", WORKER_DIED)
     found = answers_of([Part(partial(solved_with, base, case), dead) for case in cases], jobs, progress)
     return [(float(case[SPEEDS[0]]), float(case[SPEEDS[1]])) for case in cases], found
+
+
+def _bounded(
+    chain: StageChain, speeds: list[Pair], found: list[ChainResult]
+) -> tuple[list[Pair], list[ChainResult], Pair | None]:
+    """Return speeds and results from those on that both motors carry, and the highest of the sweep that they do not."""
+    if len(speeds) < 2:
+        return speeds, found, None
+    ends, results = (speeds[0], speeds[-1]), (found[0], found[-1])
+    carried = carried_stages(grid.without_sweep(chain), {}, ends, results)
+    if carried is None:
+        return speeds, found, None
+    both, result = carried
+    slower = [i for i, each in enumerate(speeds) if each < both]
+    return [both, *(speeds[i] for i in slower)], [result, *(found[i] for i in slower)], speeds[0]
 
 
 def _reached(own: tuple[float, float], found: ChainResult) -> tuple[float, float]:
@@ -148,7 +164,7 @@ def _stage_tables(
         yield Table("Both stages at each point", heads, rows, note, across=True)
 
 
-def _lines(chain: StageChain, rated: Rating, own: ChainResult) -> Iterator[tuple[str, str]]:
+def _lines(chain: StageChain, rated: Rating, own: ChainResult, beyond: Pair | None) -> Iterator[tuple[str, str]]:
     low, high, units = lines(chain.first), lines(chain.second), rated.units
     speed = "fixed speed" if not rated.variable else f"variable speed, {len(rated.points)} points"
     yield "package", f"rotary, lubricated, two stages, {speed}"
@@ -157,6 +173,9 @@ def _lines(chain: StageChain, rated: Rating, own: ChainResult) -> Iterator[tuple
     yield from stages_sheet.swept_line(own, units)
     yield from stages_sheet.between_line(chain, rated.full.result, units)
     yield from stages_sheet.motor_lines(chain, own, units)
+    if beyond is not None:
+        stated = " and ".join(f"{each / RPM:.0f}" for each in beyond)
+        yield "speed", f"full flow at the highest speeds that both motors carry: {stated} rpm of the sweep overload one"
     fans = ((name, getattr(package_of(scene), "fan", None)) for name, scene in chain.by_stage.items())
     stated = [(name, fan) for name, fan in fans if fan is not None]
     parts = [f"{units.quantity('W', fan.power)}, {air_sheet.FAN_CONTROL[fan.control]}" for _, fan in stated]
@@ -209,7 +228,7 @@ def _figures(point: Point) -> dict[str, Any]:
 
 
 def _document(
-    chain: StageChain, speeds: Sequence[tuple[float, float]], rated: Rating, found: Sequence[ChainResult]
+    chain: StageChain, speeds: Sequence[Pair], rated: Rating, found: Sequence[ChainResult], bounded: bool
 ) -> dict[str, Any]:
     low, high = lines(chain.first), lines(chain.second)
     points = [
@@ -220,6 +239,7 @@ def _document(
         "kind": "two_stage_air_package",
         "title": chain.title,
         "speed": "variable" if rated.variable else "fixed",
+        **({"bounded_by_motor": bounded} if rated.variable else {}),
         "inlet_pressure": low.p_s,
         "inlet_temperature": low.T_s,
         "discharge_pressure": high.p_d,
