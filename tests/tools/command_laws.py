@@ -105,7 +105,8 @@ def knocked_out(case: Case) -> Iterator[str]:
             if row["status"] == "ok":
                 yield f"--without {row['effect']} is refused, but knocked out it is ok"
             continue
-        if alone["status"] != row["status"]:
+        closes = "failed" if row["status"] == "needed" else row["status"]  # without it no cycle closes
+        if alone["status"] not in (closes, row["status"]):
             yield f"knocked out {row['effect']} is {row['status']}, without it {alone['status']}"
         elif row["status"] == "ok":
             figures = {name: row[name] for name in row.keys() & alone["performance"].keys()}

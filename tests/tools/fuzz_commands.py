@@ -16,6 +16,8 @@ from collections import Counter
 from pathlib import Path
 
 import file_laws  # noqa: F401 - adds its laws
+import map_laws  # noqa: F401 - adds its laws
+import new_laws  # noqa: F401 - adds its laws
 import numpy as np
 from asking import OK, Case, Contradiction, NotAsked, command
 from command_laws import CONFIGS, LAWS, PLANT
