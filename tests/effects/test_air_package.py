@@ -250,6 +250,15 @@ def test_a_coolant_states_one_of_flow_and_rise(stated, what):
         screwsim.load(SCENE, [f"{PACKAGE}.coolant={stated}"])
 
 
+def test_a_later_stage_is_not_cooled_by_air_of_its_inlet():
+    """Its density is not that of a room."""
+    inlet, warmed = "operation.suction.pressure=3 bar", f"{PACKAGE}.coolant.temperature_rise=15 K"
+    told = r"coolant\.medium: is air of the inlet's state, and no room has 3 bar"
+    with pytest.raises(screwsim.SceneError, match=told):
+        screwsim.load(SCENE, [inlet, warmed])
+    screwsim.load(SCENE, [inlet, f"{PACKAGE}.coolant.medium=water", warmed])
+
+
 @pytest.mark.parametrize(
     ("stated", "least"), [("flow: 0.8 m^3/h", True), ("flow: 6 m^3/h", False), ("flow: 1.6 m^3/h", False)]
 )

@@ -332,6 +332,10 @@ def _coolant_faults(parameters: Parameters, facts, path: str) -> Faults:
         yield Fault(path, f"{what} (write e.g. {{temperature_rise: 15 K}})")
     if "separator" not in facts.effects:
         yield Fault(path, "needs effects.separator, by which the heat of the package is known (add it)")
+    p_s = facts.operation.suction.pressure
+    if coolant.medium == cooling.AIR and p_s is not None and p_s > cooling.DENSEST_ROOM:
+        what = f"is air of the inlet's state, and no room has {1e-5 * p_s:.4g} bar"
+        yield Fault(f"{path}.medium", f"{what} (write medium: water, or state the coolant of the first stage)")
 
 
 EFFECT = Effect(

@@ -10,6 +10,7 @@ from screwsim.cycle.balances import heat_flowing_back
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
 from screwsim.effects.base import SUCTION, CoolsOil, FlowPath, PowerLoss, Wall
+from screwsim.effects.parts.coolant import DENSEST_ROOM
 from screwsim.effects.parts.usual import OIL_ROOM, SUCTION_BACK
 from screwsim.evaluate import humidity, late_valves, plausible
 from screwsim.evaluate.evaluation import Evaluation
@@ -30,7 +31,6 @@ HARDLY_KNOWN = 0.01  # relative error of figures over the net flow that deserves
 OVER_FLOW = "specific_power", "oil_flow_ratio", "economizer_flow_ratio", "liquid_injection_flow_ratio"
 MOST_OIL = 1 / 3  # of a chamber: neglected, it costs some 5 % of the power, 30 % of the peak pressure (test_oil_volume)
 LEFT_BEHIND, RECOMPRESSED = 0.005, 2.0  # gas left where a chamber vanishes, over the charge, and its pressure over p_d
-DENSEST_ROOM = 1.2e5  # [Pa] ambient pressure at the most, that of a mine of 1.5 km
 LOST, LOST_DRY = 0.02, 0.05  # of the shaft power: heat to suction, or from outside, that deserves a warning
 
 

@@ -14,6 +14,7 @@ from screwsim.outputs import Figure
 AIR, WATER = "air", "water"
 FLOW, RISE = "coolant_flow", "coolant_temperature_rise"
 WATER_HEAT = 997.0 * 4182.0  # [J/(m³ K)] ρ c_p
+DENSEST_ROOM = 1.2e5  # [Pa] air of a room has at the most, that of a mine of 1.5 km
 NO_HEAT = "no heat leaves by it"
 FIGURES = (
     Figure(FLOW, "m3 s-1", "volume flow of what carries the package's heat away", needs=(".coolant",)),
