@@ -29,18 +29,20 @@ TITLE = "Bitzer compact screws, mean curves"
 CITATION = (
     "Regressions of the open library vclibpy from Bitzer's data, mean of five refrigerants, 50 Hz, superheat 10 K"
 )
-ABOUT = (
-    "The fitted machine is a semi-hermetic one (machine.yaml: rotors by their profile, gaps sealed by the oil that "
-    "comes to them, a motor in the suction gas, a leak past the shafts that sees the discharge pressure, oil of the "
-    "separator), fitted to 5/35, 2/45 and -10/40 °C alone (machine.fit.yaml: five parameters, their bounds and "
-    "reasons): its rows there are calibrated, all others predicted. configs/r134a/point.yaml is that machine by the "
-    "paper's laws of volume and ports, its parameters rounded: what it has at those three is calibrated, too. The "
-    "curves are means over machines, some with other built-in ratios, and over refrigerants. The source gives no "
-    "scatter: differences are held to 1.5 points of volumetric and 3 points of isentropic efficiency. A second fit "
-    "(ends.fit.yaml) has discharge end faces as a maker sets them, 50 µm, and one speed of gas and oil in the "
-    "blow-holes: where it predicts, λ is nearer by a seventh of a point and η_s as near. Its numbers are not used: "
-    "packages of air become more efficient by them, small ones, which are too efficient, most (validation/templates)."
-)
+ABOUT = """\
+The curves are means over machines, some with other built-in ratios, and over refrigerants. The source gives no scatter:
+differences are held to 1.5 points of volumetric and 3 points of isentropic efficiency. The machines beside them:
+
+- The fitted machine is a semi-hermetic one (machine.yaml): rotors by their profile, gaps sealed by the oil that comes
+  to them, a motor in the suction gas, a leak past the shafts that sees the discharge pressure, oil of the separator. It
+  is fitted to 5/35, 2/45 and -10/40 °C alone (machine.fit.yaml: five parameters, their bounds and reasons). Its rows
+  there are calibrated, all others predicted.
+- configs/r134a/point.yaml is that machine by the paper's laws of volume and ports, its parameters rounded: what it has
+  at those three is calibrated, too.
+- A second fit (ends.fit.yaml) has discharge end faces as a maker sets them, 50 µm, and one speed of gas and oil in the
+  blow-holes. Where it predicts, λ is nearer by a seventh of a point and η_s as near. Its numbers are not used: they
+  make packages of air more efficient, most of all small ones, which are too efficient already
+  (validation/templates)."""
 LAMBDA_POINTS, ETA_POINTS, PEAK, PEAK_WIDTH = 1.5, 3.0, 3.28, 0.2
 RATIOS = np.geomspace(2.0, 10.0, 17)
 HIGHEST = 7.0  # of the pressure ratios among which the peak is looked for

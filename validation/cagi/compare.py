@@ -39,25 +39,30 @@ CITATION = (
     "Atlas Copco GA110VSDs-8.6, data sheet in the form of CAGI, 2025, read second-hand; "
     "least efficiency: 10 CFR 431.345, table 1"
 )
-ABOUT = (
-    "The sheet gives power over flow, no geometry and no speeds: compared is the shape of the curve, each point at "
-    "the speed that gives its flow. The machine (machine.yaml) takes gaps, shaft leak and ports of one fitted to "
-    "another gas and size, made larger as a whole; one rule of oil that seals holds for all of them, shafts too "
-    "(M300). Oil supply, friction, heat transfer, motor and the package's loss come each from its own law or from a "
-    "source: no value is adjusted to the sheet, though it was at hand when the laws were chosen. The package loses "
-    "0.31 bar at full flow, with the square of the flow (separator element 2 to 3 psi when new, aftercooler 1 to 3 "
-    "psi: vendors' figures); a fan's power follows the rest, so that it falls out of the shape. How sharp the "
-    "agreement is the rows 'tried' say: each changes one piece of the physics and gives the difference from the sheet "
-    "at 204, 337, 470 and 602 cfm, and the specific power at full flow. The shafts decide: as a nozzle they leak "
-    "several times as much. Friction, droplets and what the inverter loses move the lowest point by 4 to 9 % each and "
-    "are known no better, so that ±2 % there proves none of them. Of the film friction most is at the discharge end "
-    "faces, which are here as far from the housing as the tips are, 39 µm. One maker sets them to twice that "
-    "(end_clearances.csv). With its clearance the specific power at full flow comes nearer to the sheet, friction by "
-    "the same laws nearer to what was fitted to Bitzer's curves (last rows), and the lowest flow farther from the "
-    "sheet, just out of its tolerance; if gas and oil pass the blow-holes at one speed as well, all points are inside. "
-    "It is not taken for the templates yet: small packages, too efficient as they are, would be so by three points "
-    "more (validation/templates), so that what small machines lose must be found first."
-)
+ABOUT = """\
+The sheet gives power over flow, no geometry and no speeds. Compared is the shape of the curve, each point at the speed
+that gives its flow. How the machine is made (machine.yaml):
+
+- Gaps, shaft leak and ports are those of a machine fitted to another gas and size, made larger as a whole. One rule of
+  oil that seals holds for all of them, shafts too (M300).
+- Oil supply, friction, heat transfer, motor and the package's loss come each from its own law or from a source. No
+  value is adjusted to the sheet, though it was at hand when the laws were chosen.
+- The package loses 0.31 bar at full flow, with the square of the flow (separator element 2 to 3 psi when new,
+  aftercooler 1 to 3 psi: vendors' figures). A fan's power follows the rest, so that it falls out of the shape.
+
+Rows 'tried' show how sharp the agreement is: each changes one piece of the physics and gives the difference from the
+sheet at 204, 337, 470 and 602 cfm, and the specific power at full flow. What they show:
+
+- The shafts decide: as a nozzle they leak several times as much.
+- Friction, droplets and what the inverter loses move the lowest point by 4 to 9 % each and are known no better, so that
+  ±2 % there proves none of them.
+- Most of the film friction is at the discharge end faces, which are here as far from the housing as the tips are, 39
+  µm. One maker sets them to twice that (end_clearances.csv). With its clearance the specific power at full flow comes
+  nearer to the sheet, and friction by the same laws nearer to what was fitted to Bitzer's curves (last rows); the
+  lowest flow goes just out of its tolerance. If gas and oil pass the blow-holes at one speed as well, all points are
+  inside.
+- New machines are not written with that clearance: small packages, too efficient already, would be so by three points
+  more (validation/templates). What small machines lose must be found first."""
 RPM = 2.0 * pi / 60.0  # rad/s
 SPEEDS = np.geomspace(700.0, 3900.0, 9)  # rpm
 LOSS = 4.5 * PSI  # Pa, of the package at full flow: separator element 2.5 psi, aftercooler 2 psi

@@ -17,18 +17,21 @@ from screwsim.template import new_scene, request_of
 
 TITLE = "Rated reciprocating compressors on CO2: efficiency, and flow and power over the pressures"
 CITATION = "EnergyPlus, RefrigerationCompressorCurves.idf: ratings of nine semi-hermetic compressors of Bitzer, R744"
-ABOUT = (
-    "The cylinder is that of configs/co2/transcritical.yaml with a motor in its suction gas (machine.yaml); nothing "
-    "of it is fitted to these ratings, and it is none of the nine, of which neither bore nor speed nor frequency is "
-    "stated. So flows and powers are compared as shares of those at one condition, and a difference is that of "
-    "another machine as much as one of the model. Conditions above 20 °C are left out: there the source's cubics "
-    "cannot follow the enthalpy of the liquid. At 75 bar its nominal ratings have capacity and power; at higher "
-    "pressures its cubic of the power alone is taken, which its nominal values confirm within 1 %. The last row of "
-    "efficiencies is a machine as `screwsim new reciprocating --fluid CO2` writes it, with friction fitted on R134a "
-    "and R507A (validation/energyplus). What it shows: the cylinder's efficiency lies in or below the range of the "
-    "nine at the lower pressure ratios, and its volumetric efficiency falls less with the pressure ratio than "
-    "theirs: they have more clearance, leaks or heat of the suction gas than it assumes."
-)
+ABOUT = """\
+The cylinder is that of configs/co2/transcritical.yaml with a motor in its suction gas (machine.yaml). Nothing of it is
+fitted to these ratings, and it is none of the nine, of which neither bore nor speed nor frequency is stated. So flows
+and powers are compared as shares of those at one condition, and a difference is that of another machine as much as one
+of the model. How to read the rows:
+
+- Conditions above 20 °C are left out: there the source's cubics cannot follow the enthalpy of the liquid.
+- At 75 bar the source's nominal ratings have capacity and power. At higher pressures its cubic of the power alone is
+  taken, which its nominal values confirm within 1 %.
+- The last row of efficiencies is a machine as `screwsim new reciprocating --fluid CO2` writes it, with friction fitted
+  on R134a and R507A (validation/energyplus).
+
+What was found: the cylinder's efficiency lies in or below the range of the nine at the lower pressure ratios. Its
+volumetric efficiency falls less with the pressure ratio than theirs: they have more clearance, leaks or heat of the
+suction gas than it assumes."""
 FLUID, ZERO, SUPERHEAT = "CO2", 273.15, 10.0
 CONDITIONS = tuple((x, y) for x in (-20.0, -10.0, -5.0) for y in (10.0, 15.0, 20.0))  # °C
 REFERENCE = (-5.0, 15.0)  # °C: flows and powers are relative to theirs

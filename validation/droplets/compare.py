@@ -16,15 +16,17 @@ CITATION = (
     "Nu = 2 (Ranz–Marshall without slip); trend of the discharge temperature: He et al. 2018; jets: Merrington & "
     "Richardson 1947, Varde 1984"
 )
-ABOUT = (
-    "α and r enter the paper's law as α/r only, and its r is a fitted parameter: correlations for jets differ by more "
-    "than tenfold, and the finer droplets are still coarser than those that cool the paper's gas within a revolution. "
-    "configs/r134a takes the finer one (Varde) with α of a moving droplet (M154), of the bores that its oil needs: "
-    "two, one to each rotor, that pass a kilogram per kilogram of gas at 2/45 °C under 8.4 bar with a discharge "
-    "coefficient of 0.7, D = sqrt(4/π · V/2 / (0.7 sqrt(2 Δp/ρ_o))) = 5.6 mm. The measured trend is "
-    "that of an air machine, whose gas gets far hotter than its oil. R134a at 2/45 °C is another case: its oil must "
-    "stay above saturation at the discharge pressure and is warmer than the gas for most of the compression."
-)
+ABOUT = """\
+α and r enter the paper's law as α/r only, and its r is a fitted parameter. What was found:
+
+- Correlations for jets differ by more than tenfold, and the finer droplets are still coarser than those that cool the
+  paper's gas within a revolution.
+- configs/r134a takes the finer one (Varde) with α of a moving droplet (M154), of the bores that its oil needs: two, one
+  to each rotor, that pass a kilogram per kilogram of gas at 2/45 °C under 8.4 bar with a discharge coefficient of 0.7,
+  D = sqrt(4/π · V/2 / (0.7 sqrt(2 Δp/ρ_o))) = 5.6 mm.
+- The measured trend is that of an air machine, whose gas gets far hotter than its oil. R134a at 2/45 °C is another
+  case: its oil must stay above saturation at the discharge pressure and is warmer than the gas for most of the
+  compression."""
 RHO_OIL, T, P = 1000.0, 310.0, 6e5
 JETS = ((3e5, RHO_OIL, 3e-3), (8.4e5, 960.0, 5.6e-3))  # pressure drop [Pa], density of the oil [kg/m³], bore [m]
 DISCHARGE = 0.7  # coefficient of the bores' orifice equation
@@ -157,13 +159,9 @@ def shipped_rows(root: Path) -> list[Row]:
         size = f"{1e6 * diameter:.0f} µm"
         note = f"{size}, tips at 24.7 m/s, R = 80 mm; the scenes state a slip of 0.1, as walls stop them"
         share = falling(diameter, T, p)
-        rows.append(
-            Row(f"speed outwards over tip speed, {where}", share, None, "estimate", "no verdict", note=note)
-        )
+        rows.append(Row(f"speed outwards over tip speed, {where}", share, None, "estimate", "no verdict", note=note))
     for name, found in machines.items():
-        T, T_oil, T_mix = (
-            found[f"{what}discharge_temperature"] - 273.15 for what in ("", "oil_", "mixture_")
-        )
+        T, T_oil, T_mix = (found[f"{what}discharge_temperature"] - 273.15 for what in ("", "oil_", "mixture_"))
         rows.append(
             Row(
                 f"configs/r134a/{name}.yaml: gas warmer than oil at the discharge port",

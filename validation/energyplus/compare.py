@@ -18,24 +18,29 @@ CITATION = (
     "EnergyPlus, RefrigerationCompressorCurves.idf: ratings of semi-hermetic compressors of two makers, R404A (six), "
     "R134a, R22 and R507A"
 )
-ABOUT = (
-    "The machines are cylinders that `screwsim new reciprocating` writes for -10/40 °C, of 10 m³/h at 1750 rpm, with "
-    "a motor as efficient as one of the whole machine (0.90); that beside the series Copelametic, of one machine of "
-    "10 m³/h, has its own. They are none of those rated, of which neither bore nor speed is stated, so a difference "
-    "is that of another machine as much as one of the model. Their friction is fitted to the series 06D on R134a and "
-    "R507A (friction.py): 13.5 % of the indicated power and a mean effective pressure of 0.28 bar. All other series, "
-    "R404A, R22, and those of validation/varispeed and validation/co2, which are another maker's, judge that. It had "
-    "been 12 % of the indicated power, whatever the pressures. Bodies that are rated on two fluids are 4 to 7 points "
-    "less efficient on R134a, at half the mean effective pressure of R404A or R507A (rows 'less'). A loss that stays "
-    "explains most of that; a larger share of the power alone leaves 3 points between the fluids (rows 'tried'). The "
-    "motor does not: in these series each fluid has its own size of it. That 06E, and the small machine of "
-    "Copelametic, take more is not explained. Valves are sized by a rule (S36, S37 in "
-    "docs/reference/slider-crank.md). The passages before and behind the valves are left out: what they lose is in "
-    "the friction. The cylinder's wall stays as warm as at the condition that it was written for. Efficiency is the "
-    "isentropic work of the rated capacity over the rated power, with the suction gas at 18.3 °C and liquid at "
-    "saturation, as the curves are rated. The curves state no uncertainty, and single ones (06E) run against all "
-    "others near the ends of their range."
-)
+ABOUT = """\
+The machines are cylinders that `screwsim new reciprocating` writes for -10/40 °C, of 10 m³/h at 1750 rpm, with a motor
+as efficient as one of the whole machine (0.90); that beside the series Copelametic, of one machine of 10 m³/h, has its
+own. How to read the rows:
+
+- None of them is a machine that was rated, of which neither bore nor speed is stated. A difference is that of another
+  machine as much as one of the model.
+- Efficiency is the isentropic work of the rated capacity over the rated power, with the suction gas at 18.3 °C and
+  liquid at saturation, as the curves are rated. The curves state no uncertainty, and single ones (06E) run against all
+  others near the ends of their range.
+- Friction is fitted to the series 06D on R134a and R507A (friction.py): 13.5 % of the indicated power and a mean
+  effective pressure of 0.28 bar. All other series, R404A, R22, and those of validation/varispeed and validation/co2,
+  which are another maker's, judge that. It had been 12 % of the indicated power, whatever the pressures.
+- Valves are sized by a rule (S36, S37 in docs/reference/slider-crank.md). The passages before and behind the valves are
+  left out: what they lose is in the friction. The cylinder's wall stays as warm as at the condition that it was written
+  for.
+
+What was found:
+
+- Bodies that are rated on two fluids are 4 to 7 points less efficient on R134a, at half the mean effective pressure of
+  R404A or R507A (rows 'less'). A loss that stays explains most of that; a larger share of the power alone leaves 3
+  points between the fluids (rows 'tried'). The motor does not: in these series each fluid has its own size of it.
+- That 06E, and the small machine of Copelametic, take more power is not explained."""
 FIGURE, NAME = series.FIGURE, "reciprocating_r404a"
 CONDITIONS = series.CONDITIONS
 WITHIN, BASIS = series.WITHIN, "5 points: taken, the ratings state none; the six lie up to {apart:.1f} points apart"

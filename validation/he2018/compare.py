@@ -16,19 +16,21 @@ TRIED: dict[str, tuple[str, ...]] = sibling(Path(__file__).parent / "physics.py"
 
 TITLE = "He et al. 2018: trends over speed and oil flow"
 CITATION = "He et al., Energies 11 (2018) 1342, abstract: 1000 to 3000 rpm, oil 27 to 50 L/min"
-ABOUT = (
-    "The source's machine is not known to us: an air compressor of common size stands in for it, and only signs are "
-    "compared. Saturation: from 50 to 75 L/min by no more than half a point of efficiency, or per litre a minute by "
-    "less than half of what 27 to 50 L/min change. Gaps and shafts are those of the machine fitted to Bitzer's "
-    "curves, sealed by the same rule. The rows 'tried' change it, and say why volumetric efficiency once fell with "
-    "the oil flow (27, 35, 42 and 50 L/min): the oil comes 30 K warmer than the gas and warms it and what leaks back, "
-    "and oil as cold as the gas turns the sign even with dry gaps. Against that stands what oil seals: too little in "
-    "the gaps between chambers alone, whatever the mixture's viscosity, enough with a leak past the shafts, which "
-    "sees the discharge pressure all the time. Where the oil comes in moves two points and no sign. Friction is as it "
-    "stood, 5 % and Giuffrida's viscous term: with films and bearings by the laws and clearances of validation/cagi, "
-    "at the stated 30 mPa s, the adiabatic efficiency has its best at 1500 rpm and does not rise to 3000: films full "
-    "of oil as thick as that are too much here."
-)
+ABOUT = """\
+The source's machine is not known to us: an air compressor of common size stands in for it, and only signs are compared.
+Gaps and shafts are those of the machine fitted to Bitzer's curves, sealed by the same rule. Saturation means: from 50
+to 75 L/min by no more than half a point of efficiency, or per litre a minute by less than half of what 27 to 50 L/min
+change. Rows 'tried' change the machine and say why its volumetric efficiency once fell with the oil flow (27, 35, 42
+and 50 L/min):
+
+- The oil comes 30 K warmer than the gas and warms it and what leaks back. Oil as cold as the gas turns the sign even
+  with dry gaps.
+- Against that stands what oil seals: too little in the gaps between chambers alone, whatever the mixture's viscosity;
+  enough with a leak past the shafts, which sees the discharge pressure all the time.
+- Where the oil comes in moves two points and no sign.
+- Friction is as it stood, 5 % and Giuffrida's viscous term. With films and bearings by the laws and clearances of
+  validation/cagi, at the stated 30 mPa s, the adiabatic efficiency has its best at 1500 rpm and does not rise to 3000:
+  films full of oil as thick as that are too much here."""
 RPM, LITRES = 2.0 * pi / 60.0, 1e-3 / 60.0
 SPEEDS, FLOWS = (1000.0, 1500.0, 2000.0, 2500.0, 3000.0), (27.0, 35.0, 42.0, 50.0, 62.0, 75.0)
 NAMES = ("volumetric_efficiency", "isentropic_efficiency", "specific_power", "discharge_temperature")

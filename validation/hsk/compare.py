@@ -31,55 +31,62 @@ CITATION = (
     "BITZER Software 7.1.11.4 as kept in bet-lab/TMHP (bitzer_efficiency_pilot, 2026-10-04); HSK8591: "
     "oemof/tespy, the test of its PolynomialCompressor"
 )
-ABOUT = (
-    "These are figures of the maker's software, no measurements: mass flow and efficiencies follow from its capacity "
-    "and power. Profile, built-in volume ratio, oil and gaps of the machines are not known. 'New' are machines that "
-    "`screwsim new refrigeration` writes for the displacement. Their clearances are in proportion to the diameter, a "
-    "rule that was chosen with these ratings at hand (by tolerances of ISO 286 below 160 mm, λ of the three smaller "
-    "ones was 2 to 5 points lower); nothing else of them is adjusted. The tolerances are those of "
-    "validation/templates. The fitted machine is the one of 192 m³/h, fitted to three conditions at 50 Hz "
-    "(machine.fit.yaml); all other conditions and all other speeds are predicted. Rows 'what was fitted' put that into "
-    "the other sizes, leaks in proportion to what is written there. The displacement is given at 2900 rpm, and an "
-    "induction motor turns up to 3.4 % faster at light load: with 2950 rpm at 50 Hz, λ of the source is known to 1.7 "
-    "%. Above 50 Hz the source's voltage stays at 400 V: the field weakens, as that of our motors does (M433), and the "
-    "slip grows, which would raise λ of the source (rows 'with more slip'). What it shows: the new machines of 140 and "
-    "192 m³/h still leak too much, all three the more the slower they run, and the one of 535 too little, so that no "
-    "rule of sizes tells the maker's machines apart; their electrical efficiency is up to 9 points too high at 50 Hz. "
-    "What λ of the source loses from 50 to 25 Hz is one flow for all three sizes and at all pressure ratios up to 4.2: "
-    "7 to 8 m³/h of suction gas (rows 'suction gas lost'). A leak grows with the length of its gap, whatever the width "
-    "of that does, and in kilograms with the discharge pressure, as ours does. So it reads as a rule of the maker's "
-    "software for the series, and nothing was fitted to how λ falls with the speed. Rows 'tried' say what other "
-    "numbers would do. That oil seals the shafts by the law of the gaps (M300), as the speeds of an air package call "
-    "for (validation/cagi), was not fitted here: λ comes nearer to all machines and curves than with a nozzle fitted "
-    "to the same curves. Tighter shafts or gaps bring λ of 140 and 192 m³/h and of the smaller machines beside the "
-    "mean curves nearer, but that of 535 and of the largest away, and every efficiency of these ratings with them; "
-    "more friction or oil mends that here and spoils it beside the curves, which are the same maker's. None is better "
-    "on the machines that took no part, and gaps of 18 µm at 160 mm would be tighter than any known (MYCOM sets 50 µm "
-    "at the discharge end), so the numbers stay. Refrigerant dissolved in the oil, which new machines leave out, is "
-    "not what is missing. Flashing before suction ends it would cost λ the same share at all speeds; beside what new "
-    "machines lose at any speed, the ratings have room for 3 points of that at 84 and 140 m³/h and for none at 192 "
-    "(rows 'loss of λ'). What a kilogram of oil per kilogram of gas brings costs far more (R134a in one ester oil), "
-    "and oil that pressure alone drives would bring twice as much for each kilogram at half the speed. With a seventh "
-    "of the oil and clearances times 0.6 λ is hardly nearer than with clearances times 0.8 alone, and the efficiency "
-    "is off by 8 to 15 points. Flashing in closed chambers it leaves λ as it is and takes 3 points of the efficiency, "
-    "as more friction would: nearer to the machines of 84 and 535 m³/h, farther from the others and from the curves. "
-    "Uncooled oil is then hotter than 97 °C, where its solubility is not known, at a fifth of these ratings. Gas and "
-    "oil that pass the blow-holes at one speed (M192) bring λ of 140 and 192 m³/h and beside the curves nearer by up "
-    "to a point, but the specific power of an air package at part load, which holds without that, falls 5 % short; it "
-    "holds if also the end faces are as far from the housing as a maker sets them (validation/cagi). Gaps were fitted "
-    "without either. Fitted again with both (validation/bitzer/ends.fit.yaml) the machine is as near to these ratings "
-    "and to the curves as the one that is written; only small air packages, too efficient as it is, go farther away "
-    "(validation/templates), so that the numbers stay. Friction by films and bearings (the laws of validation/cagi) "
-    "with such end faces needs no fitted share: beside the curves it is as near as that, and its efficiency falls "
-    "above 50 Hz, as that of the ratings of 140 and 192 m³/h hardly does or does; below it falls less than theirs. "
-    "With end faces as far as the tips it is 4 to 5 points off. It takes pure oil. Oil that holds refrigerant is "
-    "thinner (M199), and what it holds flashes: that friction is nearer to three of the four sizes than the share, and "
-    "2 points farther from the curves; from 50 to 25 Hz it falls less than the share. What R134a dissolves is known of "
-    "one ester and below 97 °C alone, so that the share stays. Fitted at one speed, the model has both within 4 and 5 "
-    "points at all speeds, which three things leave: λ of the source falls more over the pressure ratio; it falls "
-    "again above 60 Hz, where ours still rises (ports and passages that throttle more, or slip); and so does its "
-    "efficiency (friction here is a share of the power, whatever the speed)."
-)
+ABOUT = """\
+These are figures of the maker's software, no measurements: mass flow and efficiencies follow from its capacity and
+power. Profile, built-in volume ratio, oil and gaps of the machines are not known. 'The curves' are the mean curves of
+validation/bitzer, which are the same maker's. How the rows are made:
+
+- 'New' are machines that `screwsim new refrigeration` writes for the displacement. One rule of them was chosen with
+  these ratings at hand: clearances are in proportion to the diameter (by tolerances of ISO 286 below 160 mm, λ of the
+  three smaller ones was 2 to 5 points lower). Nothing else of them is adjusted.
+- The fitted machine is the one of 192 m³/h, fitted to three conditions at 50 Hz (machine.fit.yaml); all other
+  conditions and speeds are predicted. Rows 'what was fitted' put its parameters into the other sizes, with leaks in
+  proportion to what is written there.
+- λ of the source is known to 1.7 %: its displacement is given at 2900 rpm, 2950 rpm are taken at 50 Hz, and an
+  induction motor turns up to 3.4 % faster at light load.
+- Above 50 Hz the source's voltage stays at 400 V: the field weakens, as that of our motors does (M433), and the slip
+  grows, which would raise λ of the source (rows 'with more slip').
+
+What was found:
+
+- By size: new machines of 140 and 192 m³/h leak too much and the one of 535 too little, so that no rule of sizes tells
+  the maker's machines apart. Their electrical efficiency is up to 9 points too high at 50 Hz.
+- By speed: the three smaller ones lose too much λ the slower they run. What λ of the source loses from 50 to 25 Hz is
+  one flow for all three and at all pressure ratios up to 4.2: 7 to 8 m³/h of suction gas (rows 'suction gas lost'). A
+  leak grows with the length of its gap and, in kilograms, with the discharge pressure, as ours does. That one flow
+  reads as a rule of the maker's software for the series; nothing was fitted to it.
+- Fitted at one speed, the model has λ within 4 and the efficiency within 5 points at all speeds. Three differences
+  remain: λ of the source falls more over the pressure ratio; it falls again above 60 Hz, where ours still rises (ports
+  and passages that throttle more, or slip); so does its efficiency (friction here is a share of the power, whatever the
+  speed).
+
+What was tried (rows 'tried'). Only the first is in what new machines are written with:
+
+- Oil seals the shafts by the law of the gaps (M300), as the speeds of an air package call for (validation/cagi). λ
+  comes nearer to all machines and curves than with a nozzle fitted to the same curves.
+- Tighter shafts or gaps bring λ of 140 and 192 m³/h and of the smaller machines of the curves nearer, but move that of
+  535 and of the largest away, and every efficiency of these ratings. More friction or oil mends that here and spoils it
+  beside the curves. None is better on the machines that took no part. Gaps of 18 µm at 160 mm would also be tighter
+  than any known (MYCOM sets 50 µm at the discharge end).
+- Refrigerant that flashes from the oil before suction ends is not what is missing. It would cost λ the same share at
+  all speeds; the ratings have room for 3 points of that at 84 and 140 m³/h and for none at 192 (rows 'loss of λ'). A
+  kilogram of oil per kilogram of gas brings far more (R134a in one ester oil), and oil that pressure alone drives twice
+  as much at half the speed. With a seventh of the oil and clearances times 0.6, λ is hardly nearer than with clearances
+  times 0.8 alone, and the efficiency is off by 8 to 15 points.
+- Refrigerant that flashes in closed chambers leaves λ as it is and takes 3 points of the efficiency, as more friction
+  would: nearer to the machines of 84 and 535 m³/h, farther from the others and from the curves. Uncooled oil is then
+  hotter than 97 °C, where its solubility is not known, at a fifth of these ratings.
+- Gas and oil that pass the blow-holes at one speed (M192) bring λ of 140 and 192 m³/h and of the curves nearer by up to
+  a point. The specific power of an air package at part load then falls 5 % short, unless the end faces are as far from
+  the housing as a maker sets them (validation/cagi). Fitted again with both (validation/bitzer/ends.fit.yaml), the
+  machine is as near to these ratings and to the curves as the one that is written; small air packages, too efficient
+  already, go farther away (validation/templates).
+- Friction by films and bearings (the laws of validation/cagi) with such end faces needs no fitted share and is as near
+  to the curves. Above 50 Hz its efficiency falls; that of the ratings of 140 and 192 m³/h hardly falls or falls, too.
+  Below 50 Hz it falls less than theirs. With end faces as far as the tips it is 4 to 5 points off.
+- The same friction, with oil that holds refrigerant, thinner (M199) and flashing, is nearer to three of the four sizes
+  than the share and 2 points farther from the curves; from 50 to 25 Hz it falls less than the share. What R134a
+  dissolves is known of one ester and below 97 °C alone."""
 FIGURES = {"volumetric_efficiency": "λ", "electrical_isentropic_efficiency": "electrical η_s"}
 NEW = {"volumetric_efficiency": 0.04, "electrical_isentropic_efficiency": 0.06}
 FIT = {"volumetric_efficiency": rated.LAMBDA, "electrical_isentropic_efficiency": rated.ETA}

@@ -20,17 +20,19 @@ CITATION = (
     "Grebner 1992; Martz & Jacobi 1994; Yokozeki 2001 (Int. J. Thermophys. 22, 1057); Wahlström & Vamling 2000 (J. "
     "Chem. Eng. Data 45, 97); Takigawa, Sandler, Yokozeki 2002 (Int. J. Refrig. 25, 1014); points as in SorpPropLib"
 )
-ABOUT = (
-    "M195 was fitted to Grebner's points. Those of Martz and Jacobi are of another ester oil of the same molar mass, "
-    "and the only ones that judge it. Other oils show what it means to take M195 for them. A content is kilograms per "
-    "kilogram of oil at the measured temperature and pressure, up to 0.8 of the saturation pressure: above, a percent "
-    "of pressure is several percent of content. ± is how far the source's own equation (first picture) lies from its "
-    "points (root mean square): a mean inside it cannot be told from their scatter. That equation also settles in "
-    "which unit loadings are stored: they are mole fractions. M195 is often handed on with pressures in place of "
-    "the vapour's fugacities; the notes say what it has with those, and the same constants. The measured points are no "
-    f"part of this checkout: the environment variable {points.FILE} names their file (validation/solubility/points.py "
-    "says where they are and in which form)."
-)
+ABOUT = """\
+M195 was fitted to Grebner's points. Those of Martz and Jacobi are of another ester oil of the same molar mass, and the
+only ones that judge it. Other oils show what it means to take M195 for them. How to read the rows:
+
+- A content is kilograms per kilogram of oil at the measured temperature and pressure, up to 0.8 of the saturation
+  pressure: above, a percent of pressure is several percent of content.
+- ± is how far the source's own equation (first picture) lies from its points (root mean square): a mean inside it
+  cannot be told from their scatter. That equation also settles in which unit loadings are stored: they are mole
+  fractions.
+- M195 is often handed on with pressures in place of the vapour's fugacities; the notes say what it has with those, and
+  the same constants.
+- The measured points are no part of this checkout: the environment variable SCREWSIM_SOLUBILITY_POINTS names their file
+  (validation/solubility/points.py says where they are and in which form)."""
 WARM = 333.0  # [K] from where on oil is as warm as in a separator
 SEPARATOR = 338.15  # [K] of the picture
 Found = Sequence[tuple[Any, Any]]  # oils with their deviations

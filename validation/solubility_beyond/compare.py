@@ -16,14 +16,14 @@ CITATION = (
     "points of CO₂ in pentaerythritol tetraoctanoate as in ExpData/PEC8_CO2 of github.com/Runnizone/OilMixProp; form: "
     "Flory 1942, Huggins 1942, Prausnitz & Shair 1961"
 )
-ABOUT = (
-    "CO₂ is above its critical temperature in every warm separator, where there is no saturation to refer to: M198 "
-    "goes on with a straight line of ln p over 1/T. Three constants are fitted to the points of all temperatures but "
-    "one, and the pressures at the one that is left out are predicted: they hold where their mean is within what the "
-    "fit misses its own points by (root mean square). The first row has all points. That the density in the law stays "
-    "from 0.85 of the critical temperature on was chosen in view of these points, of R125 and R143a in an alkylbenzene "
-    "and of these and R32 in an ester (SorpPropLib), so that no row is a prediction."
-)
+ABOUT = """\
+CO₂ is above its critical temperature in every warm separator, where there is no saturation to refer to: M198 goes on
+with a straight line of ln p over 1/T. Three constants are fitted to the points of all temperatures but one, and the
+pressures at the one that is left out are predicted. They hold where their mean is within what the fit misses its own
+points by (root mean square). The first row has all points.
+
+No row is a prediction: that the density in the law stays from 0.85 of the critical temperature on was chosen in view of
+these points, of R125 and R143a in an alkylbenzene and of these and R32 in an ester (SorpPropLib)."""
 FLUID = "CO2"
 Array = np.ndarray
 

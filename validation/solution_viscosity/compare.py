@@ -18,14 +18,15 @@ CITATION = (
     "M. A. Marcelino Neto, J. R. Barbosa, Fluid Phase Equilib. 292 (2010) 7 (isobutane, alkylbenzene ISO 5), as in "
     "ExpData/LAB_ISO5 of github.com/Runnizone/OilMixProp; rules: Yokozeki 1994, Conde 1996"
 )
-ABOUT = (
-    "Nothing here is fitted: M199 has the viscosities of pure oil and of liquid isobutane, and an exponent that its "
-    "source found with other pairs. The points are all of the source's that hold up to 35 % of isobutane, at 23 to 80 "
-    "°C. The oil's viscosity is a curve through the source's nine values of pure oil; its molar mass, 240 g/mol, is "
-    "that of the collection. ± is how far the points themselves lie from a smooth surface over content and temperature "
-    "(root mean square). An oil of ISO 5 is thinner than that of screws, and isobutane no refrigerant of theirs: of "
-    "R134a in an ester no measured viscosities could be had."
-)
+ABOUT = """\
+Nothing here is fitted: M199 has the viscosities of pure oil and of liquid isobutane, and an exponent that its source
+found with other pairs. An oil of ISO 5 is thinner than that of screws, and isobutane no refrigerant of theirs: of R134a
+in an ester no measured viscosities could be had. How to read the rows:
+
+- The points are all of the source's that hold up to 35 % of isobutane, at 23 to 80 °C.
+- The oil's viscosity is a curve through the source's nine values of pure oil; its molar mass, 240 g/mol, is that of the
+  collection.
+- ± is how far the points themselves lie from a smooth surface over content and temperature (root mean square)."""
 M_ISOBUTANE, M_OIL = 58.1222, 240.0  # [g/mol]
 WARM = 333.15  # [K] of the picture
 ENDS = (0.0, 10.0, 20.0, 35.0)  # [%] of the ranges that are judged

@@ -26,21 +26,23 @@ CITATION = (
     "ORCmKit; Dumont et al., ORC 2017 (expanders.csv says what of each was at hand). Slide valves: 24 screw chillers "
     "of EnergyPlus (chillers.csv)"
 )
-ABOUT = (
-    "Machines as `screwsim new KIND` writes them, nothing adjusted to what they are compared with, but that gaps, "
-    "ports and friction of flooded screws were fitted to one machine within those mean curves (160 mm, R134a). "
-    "Tolerances are taken, not the sources' own: a template is no machine of a maker, and a mean holds machines of "
-    "several sizes. Air packages: the curve from which 10 CFR 431.345 counts losses rises with their size by more than "
-    "ours do, and small ones of ours are too efficient. V-belts, which lose 2 to 5 % (Gates) and are assumed up to 22 "
-    "kW, are 2 points of that. Clearances that shrink less than the rotors, as tolerances do, would be one more; but "
-    "screws on R134a of 84 to 192 m³/h would then leak 2 to 5 points more, and those of 140 and 192 leak too much as "
-    "it is (validation/hsk). End faces as a maker sets them, and one speed of gas and oil in the blow-holes, make "
-    "every package more efficient, small ones most (rows 'tried'). Small screws on R134a are too efficient as well. "
-    "What else small ones lose, in seals and fans, is not known to us. Expanders: gaps and friction are assumed; a "
-    "single screw is another kind of machine, shown for its size alone. For boosters that suck gas at pressure, and "
-    "for ammonia, no measured or rated volumetric or isentropic efficiency with its conditions was found: those rows "
-    "have no verdict; λ and η_s rest on the laws and on what was fitted on R134a."
-)
+ABOUT = """\
+Machines as `screwsim new KIND` writes them. Nothing is adjusted to what they are compared with, but that gaps, ports
+and friction of flooded screws were fitted to one machine within those mean curves (160 mm, R134a). Tolerances are
+taken, not the sources' own: a template is no machine of a maker, and a mean holds machines of several sizes. What was
+found:
+
+- Air packages: the curve from which 10 CFR 431.345 counts losses rises with their size by more than ours do, and small
+  ones of ours are too efficient. V-belts, which lose 2 to 5 % (Gates) and are assumed up to 22 kW, are 2 points of
+  that. What else small ones lose, in seals and fans, is not known to us.
+- Clearances that shrink less than the rotors, as tolerances do, would be one point more. But screws on R134a of 84 to
+  192 m³/h would then leak 2 to 5 points more, and those of 140 and 192 leak too much as it is (validation/hsk).
+- End faces as a maker sets them, and one speed of gas and oil in the blow-holes, make every package more efficient,
+  small ones most (rows 'tried'). Small screws on R134a are too efficient as well.
+- Expanders: gaps and friction are assumed; a single screw is another kind of machine, shown for its size alone.
+- Boosters that suck gas at pressure, and ammonia: no measured or rated volumetric or isentropic efficiency with its
+  conditions was found, so that those rows have no verdict. λ and η_s rest on the laws and on what was fitted on
+  R134a."""
 FILLED, WORK, RECIPROCATING, EXPANDER = 0.04, 0.06, 0.05, 0.05  # tolerances
 SIZES = (100, 250, 600, 1500, 3000)  # m³/h
 BEST = 0.845  # of the sheet of validation/cagi at full flow

@@ -15,25 +15,31 @@ points, shown, written = (
 
 TITLE = "A semi-hermetic reciprocating compressor on R134a from 25 to 87 Hz"
 CITATION = "BITZER Software 7.1.11.4, as kept in bet-lab/TMHP (bitzer_efficiency_pilot, 2026-10-04)"
-ABOUT = (
-    "These are figures of the maker's software, no measurements, and called tentative there: mass flow and "
-    "efficiencies follow from its capacity and power. 'New' are cylinders as `screwsim new reciprocating` writes "
-    "them; their power holds an inverter's loss of 3 %, assumed, as the source's is that at the inverter's inlet. Of "
-    "them a clearance of 4.2 % is fitted to λ of two machines at 50 Hz (others.csv, new.py; it was 2 %, assumed, and "
-    "λ 10 points too high), and so are the natural frequency of the reeds, ten times that of the shaft, and their "
-    "damping ratio of 0.25 to λ of these two at all speeds; the machine of 32.5 m³/h had no part in any of it. Reeds "
-    "had been those of an example of one speed (6.5 times, 0.1 assumed), of which single ones closed late: λ was up "
-    "to 17 points too low at single speeds. Rows 'tried' say what either number does. Then clearance, wall, rings "
-    "and friction of the machine of 32.5 m³/h are fitted to three conditions at 50 Hz (machine.fit.yaml), and the "
-    "other conditions and all other speeds predicted. λ of the source is known to 1.7 %, for its motor's slip is not "
-    "stated; its motor is taken to keep its field up to 87 Hz, where the range ends. "
-    "What it shows: a new cylinder fills as these machines do over all speeds, and takes somewhat less "
-    "power. Its friction has no part in that: it is fitted to other makers' machines (validation/energyplus), with a "
-    "mean effective pressure that stays whatever the pressures and the speed. It had been 12 % of the indicated "
-    "power, and the efficiency 8 to 13 points too high here. What is left, 2 to 7 points, is as large at all speeds; "
-    "an inverter that loses more, or warms the suction gas, would have such a share, and the source does not tell "
-    "it. The fit puts the power into losses of a quarter of the indicated power."
-)
+ABOUT = """\
+These are figures of the maker's software, no measurements, and called tentative there: mass flow and efficiencies
+follow from its capacity and power. λ of the source is known to 1.7 %, for its motor's slip is not stated; its motor is
+taken to keep its field up to 87 Hz, where the range ends. How the rows are made:
+
+- 'New' are cylinders as `screwsim new reciprocating` writes them. Their power holds an inverter's loss of 3 %, assumed,
+  as the source's is that at the inverter's inlet.
+- Three numbers of new cylinders are fitted to λ of two machines (others.csv, new.py): a clearance of 4.2 % at 50 Hz,
+  and at all speeds the natural frequency of the reeds, ten times that of the shaft, with their damping ratio of 0.25.
+  The machine of 32.5 m³/h had no part in any of it.
+- What these replace: a clearance of 2 %, assumed, with λ 10 points too high; reeds of an example of one speed (6.5
+  times, 0.1 assumed), of which single ones closed late, with λ up to 17 points too low at single speeds. Rows 'tried'
+  say what either number does.
+- The fitted machine: clearance, wall, rings and friction of the machine of 32.5 m³/h are fitted to three conditions at
+  50 Hz (machine.fit.yaml), and the other conditions and all other speeds predicted.
+
+What was found:
+
+- A new cylinder fills as these machines do over all speeds, and takes somewhat less power: 2 to 7 points of
+  efficiency, as much at all speeds. An inverter that loses more, or warms the suction gas, would have such a share, and
+  the source does not tell it.
+- Friction has no part in that. It is fitted to other makers' machines (validation/energyplus), with a mean effective
+  pressure that stays whatever the pressures and the speed. With 12 % of the indicated power, as it was, the efficiency
+  was 8 to 13 points too high here.
+- The fit puts the power into losses of a quarter of the indicated power."""
 MODEL, CONDITION = "4CE-6.F1", "-10/45"
 LAMBDA = "volumetric_efficiency"
 WITHIN = dict.fromkeys(shown.FIGURES, 0.05)

@@ -101,7 +101,7 @@ class ValidationPoint:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Comparison of one source with computed values; `about` says in a sentence or two how to read it.
+    """Comparison of one source with computed values; `about` (Markdown) says how to read it and what was found.
 
     `points` are those from which the model error follows, figure by figure.
     """
