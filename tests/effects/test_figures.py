@@ -70,7 +70,7 @@ FULL["air_package"] = (
     "effects.separator={cooler: {discharge_temperature: 350 K}}",
     "effects.air_package.aftercooler={pressure_loss: 0.1 bar, approach: 10 K}",
     "effects.air_package.fan={power: 1 kW}",
-    "effects.air_package.coolant={temperature_rise: 15 K}",
+    "effects.air_package.coolant={medium: water, temperature_rise: 15 K}",
     *("gas.fluid=Air", "gas.relative_humidity=0.6"),
 )
 INSTEAD = {"separator": ("oil_supply.temperature=325 K",)}  # what a scene without the effect needs

@@ -28,7 +28,7 @@ def test_source_has_its_interface(compare_of, name):
     assert callable(module.compare)
     assert module.TITLE
     assert module.CITATION
-    assert module.ABOUT
+    assert STORED["sources"][name]["about"] == module.ABOUT  # which the page of validation shows
 
 
 @each_row(
