@@ -1,4 +1,4 @@
-"""Laws of what `screwsim new` says and writes: what it computed is what `run` gives of its files, of two stages as well.
+"""Laws of what `screwsim new` says and writes: what it computed is what `run` gives of its files, of two stages, too.
 
 `fuzz_commands.py` asks them beside those of `command_laws.py`. They draw requests of their own, by what a maker's
 sheet states: flow, capacity, motor, pressure, variable speed, two stages.
