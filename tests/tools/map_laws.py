@@ -84,7 +84,7 @@ def modelica(file: str, told: Mapping[str, Any]) -> Iterator[Model]:
     functions = r'function (\w+) "[^"]*off from the tables by ([\d.e-]+) at most"(.*?)end \1;'
     for name, off, body in re.findall(functions, text, re.DOTALL):
         scaled = dict(re.findall(r"Real ([uv]) = (.*?);", body))
-        right = " ".join(re.findall(r"y := (.*?);", body, re.DOTALL)).replace("^", "**")
+        right = " ".join(" ".join(re.findall(r"y := (.*?);", body, re.DOTALL)).split()).replace("^", "**")
 
         def value(S: float, D: float, right: str = right, scaled: Mapping[str, str] = scaled) -> float:
             inputs = {"evaporating_temperature": S, "condensing_temperature": D}
