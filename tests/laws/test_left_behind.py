@@ -5,6 +5,7 @@ from scenes import make
 
 from screwsim.simulate import simulate
 
+LEAKS = "interlobe_leakage", "blow_hole", "end_face_leakage"
 TIGHT, WIDE = ({"effects.tip_leakage.gap": gap} for gap in ("1 um", "50 um"))
 
 
@@ -29,3 +30,8 @@ def test_gaps_that_let_it_out_keep_nothing_behind():
     assert not told(wide)
     assert wide.cycle["gas_mass"][-1] < 2e-3 * wide.performance.trapped_mass
     assert wide.performance.volumetric_efficiency > simulate(make(TIGHT)).performance.volumetric_efficiency
+
+
+def test_a_machine_without_gaps_is_not_told_what_gaps_would_let_out():
+    none = dict.fromkeys((f"effects.{gap}" for gap in ("tip_leakage", *LEAKS)), False)
+    assert not told(simulate(make(none)))

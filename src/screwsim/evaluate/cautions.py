@@ -30,7 +30,7 @@ OPEN_TO_SUCTION = math.radians(1.0)  # of a plenum's port before the end of suct
 HARDLY_KNOWN = 0.01  # relative error of figures over the net flow that deserves a warning
 OVER_FLOW = "specific_power", "oil_flow_ratio", "economizer_flow_ratio", "liquid_injection_flow_ratio"
 MOST_OIL = 1 / 3  # of a chamber: neglected, it costs some 5 % of the power, 30 % of the peak pressure (test_oil_volume)
-LEFT_BEHIND, RECOMPRESSED = 0.005, 2.0  # gas left where a chamber vanishes, over the charge, and its pressure over p_d
+LEFT_BEHIND, RECOMPRESSED = 0.01, 2.0  # gas left where a chamber vanishes, over the charge, and its pressure over p_d
 LOST, LOST_DRY = 0.02, 0.05  # of the shaft power: heat to suction, or from outside, that deserves a warning
 
 
@@ -255,9 +255,9 @@ def _open_to_suction(of: Evaluation) -> Iterator[str]:
 
 
 def _left_behind(of: Evaluation) -> Iterator[str]:
-    """Yield a warning where much gas is left in a chamber that vanishes, so that it is recompressed."""
+    """Yield a warning where gaps hold much gas back in a chamber that vanishes, so that it is recompressed."""
     life, trapped = of.life, of.figures.get("trapped_mass")
-    if not trapped:
+    if not trapped or not life.composition.gaps:
         return
     end = float(life.times[life.steps])
     density, volume, p_d = float(life.ends[1][-1]), life.volume(end), of.figures["discharge_pressure"]

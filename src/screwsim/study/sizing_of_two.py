@@ -15,6 +15,7 @@ from screwsim.study.sizing import motor_load
 from screwsim.study.stages import ChainResult, run_stages
 from screwsim.study.stages.axes import STAGE_NAMES, Intercooler
 from screwsim.study.stages.chain import StageChain
+from screwsim.study.stages.read import apart
 from screwsim.template import two_stages
 from screwsim.template.request import SceneRequest
 from screwsim.template.sizes import rounded_flow
@@ -87,6 +88,8 @@ def _solved(kind: str, asked: SceneRequest, ends: Ends, found: Found, warm: bool
         raise UsageError(f"{two_stages.OPTION}: such stages are not possible: {what}") from None
     kind_between, outlet, drop = two_stages.between_of(kind, asked, ends)
     between = Intercooler(kind=kind_between, outlet_temperature=outlet, pressure_drop=drop)
+    for _, what in apart(low, high, between):  # the file that joins them would be refused
+        raise UsageError(f"{two_stages.OPTION}: such stages are not possible: {what}")
     chain = StageChain("", low, high, between)
     return SizedStages(texts, ends, chain, run_stages(chain, warm))
 

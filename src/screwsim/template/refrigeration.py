@@ -118,7 +118,8 @@ def scene_of(plant: Plant, asked: SceneRequest, blend_of: str = "") -> str:
         "made": _sizing_comment(asked, plant) + (EQUILIBRIUM.format(blend_of) if blend_of else ""),
         "what": plant.what if asked.stage is None else f"{plant.what}, {'high' if asked.stage.second else 'low'} stage",
         "fluid": fluid,
-        "two_phase": texts.two_phase(fluid, cooled),  # on cooled oil gas may condense
+        # on cooled oil gas may condense
+        "two_phase": texts.two_phase(fluid, cooled or (asked.stage is not None and asked.stage.condenses)),
         "oil": oil,
         "separator": separator,
         **_friction(asked.slide),

@@ -45,7 +45,8 @@ class Stage:
     """What a machine is told as one stage of two: whether it is the `second`, and of a package what both share.
 
     `ambient` [Pa] is the reference of gauge pressures, `coolant` and its temperature [K] what cools the second stage,
-    which draws in warm gas, and `motors` [W] the rated powers of both, by which the first states the fan.
+    which draws in warm gas, and `motors` [W] the rated powers of both, by which the first states the fan. `condenses`:
+    in one of both gas may condense, so that both follow its phases.
     """
 
     second: bool
@@ -53,6 +54,7 @@ class Stage:
     coolant: str = ""
     T_coolant: float = 0.0
     motors: float | None = None
+    condenses: bool = False
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ BOUNDED_COOLER = (
     "both rise together.\n  # {basis}; at 40 degC, up to which packages are usually made to run,\n  # "
     "80 to 95 degC follow."
 )
+FOLLOWS_PHASES = "two_phase: equilibrium"  # entry of a gas that may condense
 DENSE = 25e5  # [Pa] discharge pressure from which oil takes up room: 1 to 2.5 points of lambda of new screws on CO2
 
 
@@ -134,4 +135,4 @@ def oil_room(p_d: float) -> str:
 
 def two_phase(fluid: str, condenses: bool) -> str:
     """Return the entry that follows two phases of a gas that may condense; a mixture described as if pure has none."""
-    return ", two_phase: equilibrium" if condenses and (is_blend(fluid) or not describe(fluid).glides) else ""
+    return f", {FOLLOWS_PHASES}" if condenses and (is_blend(fluid) or not describe(fluid).glides) else ""

@@ -138,8 +138,11 @@ def _ends_of_air(asked: SceneRequest) -> Ends:
 
 
 def _ends_of_plant(kind: str, asked: SceneRequest) -> Ends:
-    example = CONDITIONS[kind]
-    states = duty_of(_refrigerant(kind, asked), 1.0, asked.condition or example, example)
+    example, fluid = CONDITIONS[kind], _refrigerant(kind, asked)
+    if constants.parts_on_boiling(fluid):
+        what = f"vapour boiling off {fluid}, a blend, in the tank between both stages differs from it in composition"
+        raise UsageError(f"{OPTION}: {what} (choose a pure fluid or one that hardly glides, e.g. R134a or R404A)")
+    states = duty_of(fluid, 1.0, asked.condition or example, example)
     low, high = (f"{T - ZERO_CELSIUS:.6g} degC" for T in (states.T_e, states.T_c))
     return Ends(states.p_s, states.p_d, low, high, states.T_e + states.more, f"{states.more:g} K")
 
@@ -186,10 +189,20 @@ def scenes_of(kind: str, asked: SceneRequest, ends: Ends, found: Found) -> tuple
         return gas.air(low), gas.air(high)
     T_m = constants.saturation_temperature(_refrigerant(kind, asked), found.between)
     between, more = f"{T_m - ZERO_CELSIUS:.3g} degC", max(found.suction - T_m, 0.0)
-    low = replace(low, condition=f"{ends.low}/{between}, {ends.beside}", stage=Stage(second=False))
-    high = replace(high, condition=f"{between}/{ends.high}, {more:.0f} K", stage=Stage(second=True))
-    plant = PLANTS[kind]
-    return refrigeration.scene_of(plant, low), refrigeration.scene_of(plant, high)
+    low = replace(low, condition=f"{ends.low}/{between}, {ends.beside}")
+    high = replace(high, condition=f"{between}/{ends.high}, {more:.0f} K")
+
+    def both(condenses: bool) -> tuple[str, str]:
+        first, second = (Stage(second, condenses=condenses) for second in (False, True))
+        plant = PLANTS[kind]
+        return (
+            refrigeration.scene_of(plant, replace(low, stage=first)),
+            refrigeration.scene_of(plant, replace(high, stage=second)),
+        )
+
+    each_by_itself = both(condenses=False)
+    condenses = [texts.FOLLOWS_PHASES in text for text in each_by_itself]
+    return both(condenses=True) if any(condenses) and not all(condenses) else each_by_itself
 
 
 class Between(NamedTuple):

@@ -1,7 +1,7 @@
 """Read STAGES.yaml: both scenes and what lies between, with faults by line."""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields, replace
 from functools import partial
 from typing import Any
@@ -36,6 +36,7 @@ from screwsim.study.stages.chain import StageChain
 from screwsim.study.stages.tolerances import read_between, read_correlated
 
 KEYS = ("title", STAGES, "intercooler", "sweep", BLOCK)
+KIND_BETWEEN = f"{BETWEEN}.kind"
 _REMEDY = "write stages: [first.yaml, second.yaml]"
 COOLED_BETWEEN = (
     "the first scene names an aftercooler, whose cooling the line to the other stage states (write aftercooler: null "
@@ -162,40 +163,43 @@ def _files(root: Node, node: Node, problems: LocatedFaults) -> list[str] | None:
 
 
 def _check(first: Scene, second: Scene, between: Intercooler, content: dict[str, Any], problems: LocatedFaults) -> None:
-    """Add faults of what does not go together: gases, expanders, drawn gas, a flash tank without a condenser."""
-    place = content[STAGES].place
+    """Add faults of what does not go together, at the key of the file that each is told at."""
+    for key, what in apart(first, second, between):
+        problems.add(content[key.partition(".")[0]].place, key, what)
+
+
+def apart(first: Scene, second: Scene, between: Intercooler) -> Iterator[tuple[str, str]]:
+    """Yield what does not go together in two stages, each with the key of their file at which it is told.
+
+    These are different gases, expanders, drawn gas, and a flash tank without a condenser or of a blend.
+    """
     for name, scene in zip(STAGE_NAMES, (first, second), strict=True):
         for effect, part in build_parts(scene).all(Plenum):
             if part.product:
                 drawn = "which draws gas that the balance between the stages does not include"
-                what = f"the {name} scene names {effect}, {drawn}"
-                problems.add(place, STAGES, f"{what} (leave it out there)")
+                yield STAGES, f"the {name} scene names {effect}, {drawn} (leave it out there)"
     coolers = [getattr(package_of(scene), "aftercooler", None) for scene in (first, second)]
     if coolers[0] is not None:
-        problems.add(place, STAGES, COOLED_BETWEEN)
+        yield STAGES, COOLED_BETWEEN
     if coolers[1] is not None and coolers[1].coolant_temperature is None:
-        problems.add(place, STAGES, WARM_COOLANT.format(what="aftercooler"))
+        yield STAGES, WARM_COOLANT.format(what="aftercooler")
     for name, scene in zip(STAGE_NAMES, (first, second), strict=True):
         if not getattr(package_of(scene), "delivers", True):
-            problems.add(place, STAGES, f"the {name} scene {UNLOADED_STAGE} (write state: loaded there)")
+            yield STAGES, f"the {name} scene {UNLOADED_STAGE} (write state: loaded there)"
     if any(each.cooled_by_inlet for each in parameters_of_type(second.effects, CoolsOil).values()):
-        problems.add(place, STAGES, WARM_COOLANT.format(what="oil cooler"))
+        yield STAGES, WARM_COOLANT.format(what="oil cooler")
     if first.gas != second.gas:
-        apart = (
-            each.name for each in fields(first.gas) if getattr(first.gas, each.name) != getattr(second.gas, each.name)
-        )
-        what = f"have different gases: {', '.join(f'gas.{name}' for name in apart)}"
-        problems.add(place, STAGES, f"{what} (write the same gas: section in both)")
+        names = (each.name for each in fields(first.gas))
+        others = (f"gas.{name}" for name in names if getattr(first.gas, name) != getattr(second.gas, name))
+        yield STAGES, f"have different gases: {', '.join(others)} (write the same gas: section in both)"
     if first.machine.expands or second.machine.expands:
-        problems.add(place, STAGES, "must be compressors, not machine.mode: expander (choose compressors)")
+        yield STAGES, "must be compressors, not machine.mode: expander (choose compressors)"
     if second.gas.relative_humidity is not None:
         what = "states a relative_humidity, but the water that condenses between the stages is not modelled"
-        problems.add(place, STAGES, f"{what} (remove it from both scenes, or run them one by one)")
+        yield STAGES, f"{what} (remove it from both scenes, or run them one by one)"
     if between.flashes and constants.parts_on_boiling(second.gas.name):
         what = f"vapour boiling off {second.gas.name}, a blend, differs from it in composition"
-        remedy = "write kind: cooler, or name a pure fluid"
-        problems.add(content["intercooler"].place, "intercooler.kind", f"{what} ({remedy})")
+        yield KIND_BETWEEN, f"{what} (write kind: cooler, or name a pure fluid)"
     if between.flashes and condensate_enthalpy(second) is None:
         what = f"{between.kind} needs operation.condensing_temperature or gas_cooler in the second scene"
-        what = f"{what}: its liquid feeds the tank"
-        problems.add(content["intercooler"].place, "intercooler.kind", f"{what} (state it there)")
+        yield KIND_BETWEEN, f"{what}: its liquid feeds the tank (state it there)"
