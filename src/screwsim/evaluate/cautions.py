@@ -10,7 +10,7 @@ from screwsim.cycle.balances import heat_flowing_back
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
 from screwsim.effects.base import SUCTION, CoolsOil, FlowPath, PowerLoss, Wall
-from screwsim.effects.parts.coolant import DENSEST_ROOM
+from screwsim.effects.parts.coolant import AIR, DENSEST_ROOM
 from screwsim.effects.parts.usual import OIL_ROOM, SUCTION_BACK
 from screwsim.evaluate import humidity, late_valves, plausible
 from screwsim.evaluate.evaluation import Evaluation
@@ -139,13 +139,17 @@ def _oil_colder_than_room(of: Evaluation) -> Iterator[str]:
     """Yield that oil is colder than the air with which the fan of a package cools it.
 
     A cooler with a size bounds it, by its own coolant; a second stage, which takes no air of the room, has another.
+    Beside a coolant of water the fan cools the room of the machine alone.
     """
     circuit, scene, at = of.circuit, of.problem.scene, of.problem.lines
     if not isinstance(circuit, Circuit) or at.p_s > DENSEST_ROOM:
         return
     bounded = any(one.bounded for one in parameters_of_type(scene.effects, CoolsOil).values())
     oil = circuit.outflow.T_supply
-    if getattr(package_of(scene), "fan", None) is None or bounded or oil >= at.T_s:
+    package = package_of(scene)
+    coolant = getattr(package, "coolant", None)
+    by_air = getattr(package, "fan", None) is not None and (coolant is None or coolant.medium == AIR)
+    if not by_air or bounded or oil >= at.T_s:
         return
     what = f"the oil is cooled to {celsius(oil)}, below the {celsius(at.T_s)} of the air with which the fan cools it"
     remedy = "state a warmer oil, or a cooler with a conductance and its coolant_temperature"
