@@ -18,6 +18,8 @@ from screwsim.evaluate.separator import Circuit
 from screwsim.figures.errors import LEAST_FILLING, worst
 from screwsim.fluid.orifice import outside_fit
 from screwsim.inputs.faults import UsageError
+from screwsim.machine.kinds import find_machine
+from screwsim.machine.protocol import CYLINDER
 from screwsim.model.parts import Parts
 from screwsim.model.slots import R_OIL_BEFORE
 from screwsim.outputs import Figures
@@ -259,7 +261,10 @@ def _open_to_suction(of: Evaluation) -> Iterator[str]:
 
 
 def _left_behind(of: Evaluation) -> Iterator[str]:
-    """Yield a warning where much gas is left in a chamber that vanishes, so that it is recompressed."""
+    """Yield a warning where much gas is left in a chamber that vanishes, so that it is recompressed.
+
+    A cylinder's clearance always keeps some: of it the pressure is told.
+    """
     life, trapped = of.life, of.figures.get("trapped_mass")
     if not trapped:
         return
@@ -269,7 +274,12 @@ def _left_behind(of: Evaluation) -> Iterator[str]:
     if share < LEFT_BEHIND:
         return
     pressure = float(life.states_at(np.array([end]))[0, -1])
-    if pressure > RECOMPRESSED * p_d:
+    if pressure <= RECOMPRESSED * p_d:
+        return
+    if CYLINDER in find_machine(of.problem.scene.machine.kind).offers:
+        what = f"the gas that stays in the clearance reaches {in_bar(pressure)}"
+        yield f"{what}, {pressure / p_d:.3g} times the discharge pressure (choose a larger discharge valve)"
+    else:
         port, then = ("outlet", "is lost") if of.problem.parts.geometry.expands else ("discharge port", "flows back")
         yield (
             f"{share:.1%} of the charge is not let out: the {port} is nearly shut while the chamber vanishes, where it "
