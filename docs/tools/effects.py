@@ -178,7 +178,7 @@ effects_gaps = {
         ("nozzle_friction, radial", (*FRICTION, "friction_fit=radial"), BELL, friction_says(radial_divisor)),
         ("nozzle_friction, flank", (*FRICTION, "friction_fit=flank"), BELL, friction_says(flank_divisor)),
         ("oil_sealed, mcadams", (SEALED, "mixture_viscosity=mcadams"), "M192: 1/√(1 + x), x = 1", SLOWED),
-        ("oil_sealed, mcadams, blasius", (SEALED, *THIN), "M192, M193", "Re above 2043: more friction than laminar"),
+        ("oil_sealed, mcadams, blasius", (SEALED, *THIN), "M192, M193", "Re above 2039: more friction than laminar"),
         ("oil_sealed, cicchitti", (SEALED, "mixture_viscosity=cicchitti"), "M192, M193", FILLED),
         ("oil_film", ("model=oil_film", "filled_from=0.1"), "M250, M251, M256", "no gas where there is oil"),
     )

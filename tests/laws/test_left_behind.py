@@ -1,8 +1,10 @@
 """Gas that the discharge port does not let out before its chamber vanishes is recompressed and flows back: told."""
 
 import pytest
+from folders import CONFIGS
 from scenes import make
 
+from screwsim.scene import load
 from screwsim.simulate import simulate
 
 LEAKS = "interlobe_leakage", "blow_hole", "end_face_leakage"
@@ -35,3 +37,16 @@ def test_gaps_that_let_it_out_keep_nothing_behind():
 def test_a_machine_without_gaps_is_not_told_what_gaps_would_let_out():
     none = dict.fromkeys((f"effects.{gap}" for gap in ("tip_leakage", *LEAKS)), False)
     assert not told(simulate(make(none)))
+
+
+@pytest.mark.parametrize(("area", "warns"), [("0.05 mm^2", True), ("4 mm^2", False)])
+def test_a_clearance_always_keeps_gas_and_only_its_pressure_is_told(area, warns):
+    """A cylinder has valves, no port, and does not vanish."""
+    scene = load(CONFIGS / "slider_crank" / "flexible_rod.yaml", [f"effects.check_valves.discharge_area={area}"])
+    result = simulate(scene)
+    assert not told(result)
+    found = [each for each in result.warnings if "stays in the clearance" in each]
+    assert bool(found) == warns
+    pressure, p_d = result.cycle["pressure"][-1], result.performance.discharge_pressure
+    assert (pressure > 2.0 * p_d) == warns
+    assert all(f"{pressure / p_d:.3g} times the discharge pressure" in each for each in found)

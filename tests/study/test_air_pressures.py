@@ -15,7 +15,7 @@ from screwsim.outputs.us_units import PSI
 from screwsim.scene import without_sweep
 from screwsim.scene.operation import P_D, SPEED
 from screwsim.study.datasheet import SheetOptions, carried, sheet_of
-from screwsim.study.datasheet.bounds import Carried, excess_of
+from screwsim.study.datasheet.bounds import Bound, Carried, excess_of, limits_document
 from screwsim.study.seek import GoalSeekAnswer
 
 pytestmark = pytest.mark.around
@@ -250,6 +250,15 @@ def test_a_motor_whose_field_stays_carries_less_at_lower_speeds():
     for speed, most in ((2950.0, 110.625e3), (2300.0, 86.25e3), (1000.0, 75e3)):
         found = {**displaced, "displacement_flow": 1e-3 * speed / 60.0}
         assert excess_of(limit, found) == pytest.approx(90e3 - most, rel=1e-9)
+    (first, second) = limits_document({limit: "where", Bound("shaft_power", "<", 75e3): "there"})
+    assert first == {
+        "figure": "shaft_power",
+        "below": True,
+        "value": limit.value,
+        "from": "where",
+        "speed": 2950.0 * RPM,
+    }
+    assert "speed" not in second  # it holds at any
     assert excess_of(limit, {}) != excess_of(limit, {})  # NaN: a point without a power is within no limit
 
 

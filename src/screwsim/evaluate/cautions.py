@@ -10,7 +10,7 @@ from screwsim.cycle.balances import heat_flowing_back
 from screwsim.cycle.problem import LEAST_OIL, Problem
 from screwsim.effects import having, stating
 from screwsim.effects.base import SUCTION, CoolsOil, FlowPath, PowerLoss, Wall
-from screwsim.effects.parts.coolant import DENSEST_ROOM
+from screwsim.effects.parts.coolant import AIR, DENSEST_ROOM
 from screwsim.effects.parts.usual import OIL_ROOM, SUCTION_BACK
 from screwsim.evaluate import humidity, late_valves, plausible
 from screwsim.evaluate.evaluation import Evaluation
@@ -18,6 +18,8 @@ from screwsim.evaluate.separator import Circuit
 from screwsim.figures.errors import LEAST_FILLING, worst
 from screwsim.fluid.orifice import outside_fit
 from screwsim.inputs.faults import UsageError
+from screwsim.machine.kinds import find_machine
+from screwsim.machine.protocol import CYLINDER
 from screwsim.model.parts import Parts
 from screwsim.model.slots import R_OIL_BEFORE
 from screwsim.outputs import Figures
@@ -139,13 +141,17 @@ def _oil_colder_than_room(of: Evaluation) -> Iterator[str]:
     """Yield that oil is colder than the air with which the fan of a package cools it.
 
     A cooler with a size bounds it, by its own coolant; a second stage, which takes no air of the room, has another.
+    Beside a coolant of water the fan cools the room of the machine alone.
     """
     circuit, scene, at = of.circuit, of.problem.scene, of.problem.lines
     if not isinstance(circuit, Circuit) or at.p_s > DENSEST_ROOM:
         return
     bounded = any(one.bounded for one in parameters_of_type(scene.effects, CoolsOil).values())
     oil = circuit.outflow.T_supply
-    if getattr(package_of(scene), "fan", None) is None or bounded or oil >= at.T_s:
+    package = package_of(scene)
+    coolant = getattr(package, "coolant", None)
+    by_air = getattr(package, "fan", None) is not None and (coolant is None or coolant.medium == AIR)
+    if not by_air or bounded or oil >= at.T_s:
         return
     what = f"the oil is cooled to {celsius(oil)}, below the {celsius(at.T_s)} of the air with which the fan cools it"
     remedy = "state a warmer oil, or a cooler with a conductance and its coolant_temperature"
@@ -255,9 +261,13 @@ def _open_to_suction(of: Evaluation) -> Iterator[str]:
 
 
 def _left_behind(of: Evaluation) -> Iterator[str]:
-    """Yield a warning where gaps hold much gas back in a chamber that vanishes, so that it is recompressed."""
+    """Yield a warning where gaps hold much gas back in a chamber that vanishes, so that it is recompressed.
+
+    A cylinder's clearance always keeps some: of it the pressure is told.
+    """
     life, trapped = of.life, of.figures.get("trapped_mass")
-    if not trapped or not life.composition.gaps:
+    cylinder = CYLINDER in find_machine(of.problem.scene.machine.kind).offers
+    if not trapped or not (cylinder or life.composition.gaps):
         return
     end = float(life.times[life.steps])
     density, volume, p_d = float(life.ends[1][-1]), life.volume(end), of.figures["discharge_pressure"]
@@ -265,7 +275,12 @@ def _left_behind(of: Evaluation) -> Iterator[str]:
     if share < LEFT_BEHIND:
         return
     pressure = float(life.states_at(np.array([end]))[0, -1])
-    if pressure > RECOMPRESSED * p_d:
+    if pressure <= RECOMPRESSED * p_d:
+        return
+    if cylinder:
+        what = f"the gas that stays in the clearance reaches {in_bar(pressure)}"
+        yield f"{what}, {pressure / p_d:.3g} times the discharge pressure (choose a larger discharge valve)"
+    else:
         port, then = ("outlet", "is lost") if of.problem.parts.geometry.expands else ("discharge port", "flows back")
         yield (
             f"{share:.1%} of the charge is not let out: the {port} is nearly shut while the chamber vanishes, where it "

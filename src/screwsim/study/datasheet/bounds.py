@@ -82,6 +82,20 @@ def bound_words(bound: Limit, units: Units) -> str:
     return f"{shown_name(bound.figure)} {bound.sign} {limit_text(bound.figure, bound.value, units)}"
 
 
+def limits_document(bounds: Mapping[Limit, str]) -> list[dict[str, Any]]:
+    """Return limits for programs (SI units); one that goes by the speed with the speed [rad/s] of its value."""
+    return [
+        {
+            "figure": bound.figure,
+            "below": bound.sign == "<",
+            "value": bound.value,
+            "from": source,
+            **({"speed": bound.omega} if isinstance(bound, Carried) else {}),
+        }
+        for bound, source in bounds.items()
+    ]
+
+
 def limit_text(figure: str, value: float, units: Units) -> str:
     """Return a figure [SI] as text with its unit, four digits."""
     about = declared(figure)

@@ -13,7 +13,7 @@ from screwsim.scene import Scene
 from screwsim.scene.lines import lines
 from screwsim.scene.operation import CONDENSING, SPEED
 from screwsim.study.datasheet.bearing_lives import lives_document
-from screwsim.study.datasheet.bounds import exceeded_bounds, limit_text
+from screwsim.study.datasheet.bounds import exceeded_bounds, limit_text, limits_document
 from screwsim.study.datasheet.columns import GAS_OUT, MIXTURE, NONE, Column
 from screwsim.study.datasheet.machine_lines import Lines, limits_in_words
 from screwsim.study.datasheet.marks import BLANK, Marks, marks_of
@@ -226,10 +226,7 @@ def document_of(rated: Rating, names: Sequence[str], own: str) -> dict[str, Any]
     return {
         "own_point": document_figures(rated.own, names),
         "points": points,
-        "limits": [
-            {"figure": bound.figure, "below": bound.sign == "<", "value": bound.value, "from": source}
-            for bound, source in asked.bounds.items()
-        ],
+        "limits": limits_document(asked.bounds),
         "envelope": [
             {first: each.at, second: [each.low, each.high], "ends": [*each.ends_in_words()]} for each in rated.reach
         ],
