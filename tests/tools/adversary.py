@@ -1,7 +1,7 @@
 """Search for the scenes on which the program is worst, by evolution instead of by chance.
 
     python tests/tools/adversary.py [--aim error|status|cost|slopes] [--seed N] [--minutes M]
-        [--structure S] [--space effects|fuzz|fluids] [--keep 3] [-o FOLDER]
+        [--structure S] [--space effects|fuzz|fluids] [--keep 2] [-o FOLDER]
 
 Scenes are points of the unit cube of a structure of `effects_space.py`, `fuzz_space.py` or `fluid_space.py`, wanted at
 the default accuracy. A population of them evolves (differential evolution towards its best) until it stalls, then
@@ -186,7 +186,7 @@ def by_status(scene: Scene) -> Found:
     name, apart = worst(relative_errors(result.performance, finest.performance))
     if apart > FAR * ACCURACY and apart > FAR * (result.error.get(name) or math.inf):
         return Found(CONTRADICTED, f"another cycle at {FINEST:g}: {name} {apart:.3g}")
-    return Found(math.log10(taken), f"{taken} evaluations at {FINEST:g}")
+    return Found(math.log10(max(taken, 1)), f"{taken} evaluations at {FINEST:g}")
 
 
 def by_cost(scene: Scene) -> Found:

@@ -46,6 +46,8 @@ def carried_stages(
         return known[share] - 1.0
 
     share = brentq(excess, 0.0, 1.0, xtol=NEAR)
+    if not all(map(math.isfinite, known.values())):  # the search ends where points begin to close, not at a load
+        return None
     for lower in range(STEPS):
         whole = (RPM * (math.floor(speed / RPM) - lower) for speed in _between(slow, fast, share))
         first, second = (max(speed, least) for speed, least in zip(whole, slow, strict=True))
