@@ -144,13 +144,18 @@ def compared(result: Result, better: Figures) -> Found:
     return found
 
 
+def _fails(result: Result) -> Found | None:
+    """Return what is about a result without figures to compare; None for one that has them."""
+    if result.status != "ok":
+        return Found(0.0, result.status)
+    return None if finite(result) else Found(CONTRADICTED, "not finite")
+
+
 def by_error(scene: Scene) -> Found:
     """Return how far the figures of a scene are off, over what is told."""
     result = simulate(scene, trace=False)
-    if result.status != "ok":
-        return Found(0.0, result.status)
-    if not finite(result):
-        return Found(CONTRADICTED, "not finite")
+    if fails := _fails(result):
+        return fails
     better = simulate(wanting(scene, accuracy=FINER * ACCURACY, closing="coupled", error="none"), trace=False)
     if better.status != "ok":
         return Found(0.0, f"finer {better.status}")
@@ -175,10 +180,8 @@ def by_error(scene: Scene) -> Found:
 def by_status(scene: Scene) -> Found:
     """Return whether a scene is ok at the default accuracy alone, else what a far finer one takes."""
     result = simulate(scene, trace=False)
-    if result.status != "ok":
-        return Found(0.0, result.status)
-    if not finite(result):
-        return Found(CONTRADICTED, "not finite")
+    if fails := _fails(result):
+        return fails
     finest = simulate(wanting(scene, accuracy=FINEST, error="none"), trace=False)
     taken = int(finest.numerics.rhs_evaluations or 0)
     if finest.status != "ok":

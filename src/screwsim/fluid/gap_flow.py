@@ -128,7 +128,7 @@ def turbulent_passes(mixture_flux, gap, passage, viscosity):
 
 
 @kernel
-def mixture_passes_faster(flux, oil_ratio, density, gap, passage, viscosity, oil_room):
+def mixture_passes_by_larger(flux, oil_ratio, density, gap, passage, viscosity, oil_room):
     """Return `mixture_passes` with the larger friction of both, laminar or Blasius's (M192)."""
     x = max(oil_ratio, 0.0)
     slowed = homogeneous(x, density, oil_room)
@@ -139,16 +139,16 @@ def mixture_passes_faster(flux, oil_ratio, density, gap, passage, viscosity, oil
 
 @kernel
 def mcadams_blasius(flux, oil_ratio, density, gap, passage, gas_viscosity, oil_viscosity, oil_room):
-    """Return the same as `mixture_passes_faster` with McAdams' viscosity (M193)."""
+    """Return the same as `mixture_passes_by_larger` with McAdams' viscosity (M193)."""
     viscosity = mcadams_viscosity(max(oil_ratio, 0.0), gas_viscosity, oil_viscosity)
-    return mixture_passes_faster(flux, oil_ratio, density, gap, passage, viscosity, oil_room)
+    return mixture_passes_by_larger(flux, oil_ratio, density, gap, passage, viscosity, oil_room)
 
 
 @kernel
 def cicchitti_blasius(flux, oil_ratio, density, gap, passage, gas_viscosity, oil_viscosity, oil_room):
-    """Return the same as `mixture_passes_faster` with Cicchitti's viscosity (M193)."""
+    """Return the same as `mixture_passes_by_larger` with Cicchitti's viscosity (M193)."""
     viscosity = cicchitti_viscosity(max(oil_ratio, 0.0), gas_viscosity, oil_viscosity)
-    return mixture_passes_faster(flux, oil_ratio, density, gap, passage, viscosity, oil_room)
+    return mixture_passes_by_larger(flux, oil_ratio, density, gap, passage, viscosity, oil_room)
 
 
 @kernel

@@ -1,6 +1,7 @@
 """The highest speed that the motor of an air package carries, where it would be overloaded at a higher one."""
 
 import math
+from collections.abc import Callable
 
 from screwsim.numerics.roots import brentq
 from screwsim.outputs.customary import RPM
@@ -57,13 +58,28 @@ def _carried_by_speed(scene: Scene, slow: Point, fast: Point) -> float | None:
     """
     known = {slow.speed: slow, fast.speed: fast}
 
-    def excess(speed: float) -> float:
+    def load(speed: float) -> float:
         if speed not in known:
             (known[speed],) = points_at(scene, (speed,), Progress())
-        return _load(scene, known[speed]) - 1.0 if known[speed].ok else math.inf
+        return _load(scene, known[speed]) if known[speed].ok else math.inf
 
-    found = brentq(excess, slow.speed, fast.speed, xtol=NEAR)
-    return found if all(point.ok for point in known.values()) else None
+    return fully_loaded(load, (slow.speed, fast.speed), NEAR)
+
+
+def fully_loaded(load: Callable[[float], float], ends: tuple[float, float], near: float) -> float | None:
+    """Return where between two ends a load is that which is carried: where it is 1, to `near`.
+
+    `load` is below 1 at the first end and above at the other, and infinite where a point does not close. None where a
+    point that the search asks for does not: it ends where points begin to close then, not at a load.
+    """
+    asked: list[float] = []
+
+    def excess(at: float) -> float:
+        asked.append(load(at))
+        return asked[-1] - 1.0
+
+    found = brentq(excess, *ends, xtol=near)
+    return found if all(map(math.isfinite, asked)) else None
 
 
 def _load(scene: Scene, point: Point) -> float:

@@ -9,11 +9,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from screwsim.figures import rotor_speed
-from screwsim.numerics.roots import brentq
 from screwsim.outputs.customary import RPM
 from screwsim.scene.operation import SPEED
 from screwsim.study.datasheet.bounds import motor_of
-from screwsim.study.datasheet.carried import STEPS
+from screwsim.study.datasheet.carried import STEPS, fully_loaded
 from screwsim.study.stages import ChainResult
 from screwsim.study.stages.axes import STAGE_NAMES
 from screwsim.study.stages.chain import StageChain
@@ -33,20 +32,20 @@ def carried_stages(
     where both motors carry the highest speeds, or not even the lowest, and where a point does not close.
     """
     fast, slow = ends
-    if any(each.status != "ok" for each in found) or load(chain, fast, found[0]) <= 1.0:
-        return None
-    if load(chain, slow, found[1]) >= 1.0:
+    if any(each.status != "ok" for each in found):
         return None
     known = {1.0: load(chain, fast, found[0]), 0.0: load(chain, slow, found[1])}
+    if known[1.0] <= 1.0 or known[0.0] >= 1.0:
+        return None
 
-    def excess(share: float) -> float:
+    def load_at(share: float) -> float:
         if share not in known:
             both = _between(slow, fast, share)
             known[share] = load(chain, both, _solved(chain, at, both))
-        return known[share] - 1.0
+        return known[share]
 
-    share = brentq(excess, 0.0, 1.0, xtol=NEAR)
-    if not all(map(math.isfinite, known.values())):  # the search ends where points begin to close, not at a load
+    share = fully_loaded(load_at, (0.0, 1.0), NEAR)
+    if share is None:
         return None
     for lower in range(STEPS):
         whole = (RPM * (math.floor(speed / RPM) - lower) for speed in _between(slow, fast, share))
